@@ -18,15 +18,17 @@ import duhem
 from duhem import Criterion, Verdict, verify
 from duhem.expression.abbreviations import Stress
 from duhem.law.domain import POSITIVE, Domain
+from duhem.law.formula_law import YieldSurface
 from duhem.law.state import Variable
 from duhem.proof.certificate import law_as_text
 from duhem.proof.facts.formula_subject import FormulaSubject, admitted_values
 from duhem.proof.kernel.claims import objection
-from duhem.proof.kernel.stated_law import StatedLaw
+from duhem.proof.kernel.stated_law import StatedLaw, without_angles
 from duhem.proof.kernel.term import parse
 from duhem.proof.unsettled import open_claims, trials
 from duhem.proof.unsettled.blocked import blocked
-from duhem.proof.unsettled.limits import jump, keeps_k, with_values
+from duhem.proof.unsettled.forms import other_forms
+from duhem.proof.unsettled.limits import keeps_k, same_points, with_values
 from duhem.proof.unsettled.term_text import in_text, names_of
 from duhem.proof.unsettled.trials import that_help
 from duhem.proof.verdict import Evidence, Unsettled, Witness
@@ -48,11 +50,11 @@ TOLD = [
     (law("(q - p)**2 - m**2*p**2*(1 - (p/c)**r)", {"m": POSITIVE, "c": POSITIVE, "r": POSITIVE}, "qp"), "convexity",
         "(p/c)**r", "not shown to have a value", "ask for p >= 0 alone: p = { min = 0 } in the section [domain]"),
     (law("abs(q) - m*sqrt(p*(c - p))", {"m": POSITIVE, "c": POSITIVE}, "qp"), "convexity",
-        "sqrt(p*(c - p))", "not shown to have a value", "write max(g, -p, -(c - p)) for g"),
+        "sqrt(p*(c - p))", "not shown to have a value", "write (abs(q)/m)**2 - p*(c - p) for abs(q) - m*sqrt(p*(c - p)): K stays the same"),
     (law("q**2 + m**2*p**2*log(p/c)", {"m": POSITIVE, "c": POSITIVE}, "qp"), "origin",
-        "log(p/c)", "at zero force", "write where(p > 0, m**2*p**2*log(p/c), 0) for m**2*p**2*log(p/c), and max(..., -p) for g"),
+        "log(p/c)", "at zero force", "write where(norm(q, p) > 0, m**2*p**2*log(p/c), 0) for m**2*p**2*log(p/c), if you mean 0 there"),
     (law("abs(t) - h*(s + n)**k", {"h": POSITIVE, "s": POSITIVE, "k": Domain.between("1/2", 1)}, "tn"), "convexity",
-        "(s + n)**k", "not shown to have a value", "write max(g, -(s + n)) for g"),
+        "(s + n)**k", "not shown to have a value", "write (abs(t)/h)**(1/k) - (s + n) for abs(t) - h*(s + n)**k: K stays the same"),
     (law(QUADRATIC, {"x": POSITIVE, "y": POSITIVE, "k": ANY}), "smoothness", "a**2/x**2", "matrix is not shown to be positive semidefinite",
         'add the constraint "'),
     (law("norm(a, b) - c*(1 - d)", {"c": POSITIVE, "d": ANY}), "dissipation",
@@ -76,9 +78,10 @@ TOLD = [
     (law("((a + b + c)**3/(a*b*c) - 27)*(a + b + c)**m - h", {"m": Domain.between(0, 1), "h": POSITIVE}, "abc",
          domain=dict.fromkeys("abc", AT_LEAST_0)), "origin", "1/(a*b*c)", "at zero force",
         "write ((a + b + c)**3 - 27*a*b*c)*(a + b + c)**m - h*a*b*c for g, which is a*b*c times g"),
-    (law("1 - exp(-(a**2 + b**2)**2) - k + 0*a", {"k": Domain.between(0, "9/10")}), "convexity", "exp(", "no rule shows", "another form"),
+    (law("1 - exp(-(a**2 + b**2)**2) - k + 0*a", {"k": Domain.between(0, "9/10")}), "convexity", "exp(", "no rule shows",
+        "your own values"),
     (law("where(3*max(a, b) + min(a, b) > 0, max(a, b) - t, (a - b)**2/(8*t) + a + b)", {"t": POSITIVE}), "convexity",
-        "where(3*max", "a choice by the forces", "another form"),
+        "where(3*max", "a choice by the forces", "your own values"),
 ]  # fmt: skip
 
 
@@ -109,9 +112,11 @@ def changed(criterion: Criterion, action: str) -> Criterion:
         more["written_constraints"] = ()
     if found := re.match(r"ask for .* alone: (\w+) = \{ (min|max) = 0 \}", action):
         more["domain"] = {found[1]: Domain.between(0) if found[2] == "min" else Domain.between(None, 0)}
-    if found := re.match(r"write (?:(?P<limit>where.*) for (?P<part>.*), and )?max\((?:g|\.\.\.), (?P<ends>.*)\) for g", action):
-        g = criterion.written if found["part"] is None else criterion.written.replace(found["part"], found["limit"])
-        more["g"] = f"max({g}, {found['ends']})"
+    if found := re.match(r"write (.*) for (.*): K (?:stays|is) the same", action):
+        new, old = (parse(written_out(criterion, text)) for text in found.groups())
+        read = without_angles(parse(criterion.written))
+        assert old in read.parts(), action
+        more |= {"g": in_text(read.put({old: new}), {}), "surfaces": ()}
     if found := re.match(r"write (.*) for (.*), if you mean 0 there", action):
         limit, part = (written_out(criterion, text) for text in found.groups())
         more["g"] = criterion.written.replace(part, limit)
@@ -166,24 +171,10 @@ def shown_against(verdict: Verdict) -> Witness | None:
     return Witness({}, {}, {}, "") if verdict is Verdict.REFUTED else None
 
 
-@pytest.mark.parametrize(
-    ("origin", "convexity", "told"),
-    [
-        (Verdict.PROVED, Verdict.TESTED, "settle convexity first: dissipation follows from it"),
-        (Verdict.UNDECIDED, Verdict.TESTED, "settle convexity and origin first: dissipation follows from both"),
-        (Verdict.UNDECIDED, Verdict.REFUTED, ""),
-        (Verdict.REFUTED, Verdict.TESTED, ""),
-    ],
-)
-def test_dissipation_follows_from_claims_of_which_none_is_refuted(origin: Verdict, convexity: Verdict, told: str) -> None:
-    found = told_of(TOLD[-2][0], "dissipation", convexity=convexity, origin=origin)
-    assert told in found if told else not any("follows" in action for action in found)
-
-
 def test_more_steps_are_said_not_to_be_tried_and_only_where_nothing_helps() -> None:
     told = "--effort thorough, which was not tried: the steps for this claim ran out before every method had tried"
     assert told_of(TOLD[-1][0], "convexity", spent=True) == (told,)
-    assert [action[:9] for action in told_of(TOLD[1][0], "convexity", spent=True)] == ["write max"]
+    assert [action[:15] for action in told_of(TOLD[1][0], "convexity", spent=True)] == ["write (abs(q)/m"]
 
 
 def test_no_region_of_a_mere_scale_is_told() -> None:
@@ -214,19 +205,19 @@ def test_no_values_are_suggested_at_which_k_is_empty() -> None:
     assert next(iter(open_claims._with_k(asked, choices))) == {"c": 3}
     root = TOLD[8][0]
     about = "smoothness", law_as_text(root), frozenset[str]()
-    assert that_help(*about, None, {}, list) == ["narrow c to what is > 0 (positive = true) and --set m=1"]
-    assert that_help(*about, None, {}, lambda _: []) == []
+    assert that_help(*about, None, list) == ["narrow c to what is > 0 (positive = true) and --set m=1/2"]
+    assert that_help(*about, None, lambda _: []) == []
 
 
 def test_a_part_is_quoted_as_the_law_has_it_where_values_are_put_in() -> None:
     fixed = TOLD[2][0].fix({"m": "6/5", "c": 2})
     found = opened(fixed, "origin")
     assert found.part == "log(p/c)" and found.actions[0].startswith(
-        "write where(p > 0, m**2*p**2*log(p/c), 0) for m**2*p**2*log(p/c), and max"
+        "write where(norm(q, p) > 0, m**2*p**2*log(p/c), 0) for m**2*p**2*log(p/c)"
     )
     assert verify(changed(fixed, found.actions[0]), claims=["origin"])["origin"].verdict is Verdict.PROVED
     clay = opened(duhem.load("original-cam-clay"), "origin")
-    assert " for M*p*log(p/pc), and max" in clay.actions[0]
+    assert " for M*p*log(p/pc), if you mean 0 there" in clay.actions[0]
     # a part that the law has too stays as it is
     names = names_of(law("2*a + k*a + b*(1 + k)", {"k": Domain.fixed(2)}))
     assert [in_text(parse(x), names) for x in ("2*a", "b*(1 + 2)")] == ["2*a", "b*(1 + k)"]
@@ -296,6 +287,113 @@ def test_no_constraint_is_suggested_that_no_parameter_satisfies(g: str, constant
     assert not any("add the constraint" in action for action in found.actions)
 
 
+# -- other forms with the same K ----------------------------------------------------------------------------------------------
+
+SAND = law("q - m*p*(1 + (n - 1)*(p/c)**(n/(1 - n)))/n", {"m": POSITIVE, "n": Domain.between("1/5", "2/5"), "c": POSITIVE}, "pq",
+           domain={"p": AT_LEAST_0, "q": AT_LEAST_0})  # fmt: skip
+ROCK = law("max(a, b) - min(a, b) - s*(u - m*max(a, b)/s)**e",
+           {"s": POSITIVE, "m": POSITIVE, "u": Domain.between(0, 1), "e": Domain.between("1/2", "3/4")})  # fmt: skip
+SIDES = law("(abs(a)/where(a > 0, u, v))**n + (abs(b)/w)**n - 1", {x: POSITIVE for x in "uvw"} | {"n": Domain.between(1, 4)})
+FORMS = [
+    (ROCK, "convexity", "((max(a, b) - min(a, b))/s)**(1/e) - (u - m*max(a, b)/s)"),
+    (SIDES, "convexity", "pos(a)/u + neg(a)/v"),
+    (SAND, "smoothness", "m*(p + (n - 1)*(1/c)**(n/(1 - n))*p**(n/(1 - n) + 1))/n"),
+]
+
+
+def inside_both(criterion: Criterion, g: str, seed: int) -> tuple[set[bool], bool]:
+    """Which answers there are to whether a point lies in K, and whether both forms give the same at all points, by the terms themselves."""
+    draw, answers, same = Random(seed), set[bool](), True
+    for _ in range(400):
+        names = {name: math.exp(draw.uniform(-1, 1)) for name in criterion.parameters}
+        at = {
+            name: min(max(x, float(own.low or 0)), float(own.high or 9))
+            for (name, x), own in zip(names.items(), criterion.parameters.values(), strict=True)
+        }
+        for force in criterion.forces:
+            own, x = criterion.domain.get(force, ANY), draw.gauss(0, 1) * math.exp(draw.uniform(-2, 2))
+            at[force] = x if own.low is None else max(x, float(own.low))
+
+        def level(text: str, at: dict[str, float] = at) -> float:
+            try:
+                return float(drawn_formulas.value(parse(text), at))
+            except (ValueError, OverflowError, ZeroDivisionError, TypeError):
+                return math.inf
+
+        one, two = level(criterion.written), level(g)
+        if min(abs(one), abs(two)) > 1e-9:
+            answers.add(one <= 0)
+            same &= (one <= 0) == (two <= 0)
+    return answers, same
+
+
+@pytest.mark.parametrize(("criterion", "claim", "form"), FORMS)
+def test_another_form_with_the_same_k_is_suggested_and_proves_the_claim(criterion: Criterion, claim: str, form: str) -> None:
+    told = next(action for action in opened(criterion, claim).actions if "K stays the same" in action or "K is the same" in action)
+    assert told.startswith("write ") and form in told
+    after = changed(criterion, told)
+    assert verify(after, claims=[claim])[claim].verdict is Verdict.PROVED
+    answers, same = inside_both(criterion, after.written, 3)
+    assert same and answers == {True, False}
+
+
+@pytest.mark.parametrize(
+    ("g", "other"),
+    [
+        ("where(a > 0, a**2 + b**2 - 1, -1)", "a**2 + b**2 - 1"),
+        ("where(a < 0, b - 1, b + a - 1)", "b - 1"),
+        ("a**2 + b**2 - 1", "a**2 + b**2 - 101/100"),
+        ("sqrt(a) + b - 1", "sqrt(abs(a)) + b - 1"),  # K of the first ends where a < 0
+    ],
+)
+def test_a_form_with_another_k_is_not_taken_for_the_same(g: str, other: str) -> None:
+    subject = FormulaSubject(law(g))
+    assert same_points(subject, other) == 0 and same_points(subject, f"2*({g})") > 1000
+
+
+@pytest.mark.parametrize(
+    ("g", "other"),
+    [
+        ("where(a > b, a**2 + b**2, (a + b)**2 - 2*a*b) - 1", "a**2 + b**2 - 1"),  # one function, written in two ways
+        ("max(a**2/9 - 1, where(b < 0, b**2 - b + a**2/9 - 1, -1), b + a**2/9 - 1)",
+         "max(a**2/9 - 1, min(b, 0)**2 - min(b, 0) + a**2/9 - 1, b + a**2/9 - 1)"),
+        ("where(a > b, a, b) - 1", "max(a, b) - 1"),
+    ],
+)  # fmt: skip
+def test_a_choice_may_be_left_out_where_k_stays_the_same(g: str, other: str) -> None:
+    read, subject = StatedLaw.read(law_as_text(law(g))), FormulaSubject(law(g))
+    found = [in_text(read.g.put({part: new}), {}) for part, new, _ in other_forms(read)]
+    kept = [text for text in found if same_points(subject, text)]
+    assert in_text(parse(other), {}) in kept
+    assert all(inside_both(law(g), text, 5)[1] for text in kept)
+
+
+def test_another_form_keeps_the_flow_of_the_law_and_joins_its_surfaces() -> None:
+    own = law_as_text(law("norm(a, b) - m*sqrt(1 - a)", {"m": POSITIVE}, potential="norm(a, b)"))
+    assert own["flow"] and trials._changed(own, "a - 1", {}) == {**own, "g": "a - 1"}
+    faces = law_as_text(Criterion("faces", forces=("a", "b"), pressure=None, surfaces=(YieldSurface("a - 1"), YieldSurface("b - 1"))))
+    assert "surfaces" in faces and "surfaces" not in trials._changed(faces, "max(a - 1, b - 1)", {})
+
+
+def test_what_a_formula_divides_by_may_depend_on_the_pressure_alone() -> None:
+    g = "abs(t) - (abs(n)*(1 - h)*((1 + n/s)**4*tan(i) + tan(f)) + h*c)/(1 - (1 - h)*(1 + n/s)**4*tan(i)*tan(f))"
+    joint = Criterion(
+        "joint", g.replace("h", "(1 - (1 + n/s)**1.5)"),
+        {"s": Domain.between(20, 100), "c": POSITIVE, "f": Domain.between("2/5", "7/10"), "i": Domain.between("1/20", "1/2")}, ("t",), "n",
+        domain={"n": Domain.between(-20, 0)},
+    )  # fmt: skip
+    for claim in ("convexity", "normality"):
+        assert (opened(joint, claim).part or "").startswith("1/(1 - ")
+
+
+def test_values_at_which_no_effect_is_gone_are_tried_before_0() -> None:
+    ply = law("((a*cos(t)**2 + b*sin(2*t))/x)**2 - (a*cos(t)**2 + b*sin(2*t))*(a*sin(t)**2 - b*sin(2*t))/(x*y) + "
+              "((a*sin(t)**2 - b*sin(2*t))/y)**2 + ((b*cos(2*t) - a*sin(t)*cos(t))/s)**2 - 1",
+              {"x": POSITIVE, "y": POSITIVE, "s": POSITIVE, "t": Domain.between(0, "157/100")})  # fmt: skip
+    (told,) = opened(ply, "convexity").actions
+    assert re.search(r"--set t=(?!0\b)", told) and verify(changed(ply, told), claims=["convexity"])["convexity"].verdict is Verdict.PROVED
+
+
 def in_principal(g: str, **parameters: Domain) -> Criterion:
     return law(g, parameters, (), stress=Stress("s", "principal"))
 
@@ -312,21 +410,9 @@ def test_no_value_is_suggested_that_changes_k(g: str, forces: str) -> None:
     told = [*with_values(StatedLaw.read(law_as_text(loaded)), {})]
     kept = {said: keeps_k(FormulaSubject(loaded), in_text(changed_g, {})) for said, changed_g in told}
     assert any("if you mean 0 there" in said for said in kept) and any("times g" in said for said in kept)
-    assert not any(keeps for said, keeps in kept.items() if "if you mean 0 there" in said)
-    assert not any("if you mean 0 there" in action for action in opened(loaded, "origin").actions)
-
-
-@pytest.mark.parametrize(
-    ("choice", "place"),
-    [
-        ("where(a > 0, a**2 + b**2, -a)", "; it jumps from 1 to 0 at a = 0, b = 1"),
-        ("where(a > b, a - k, 2*a)", "; it jumps from -2 to 0 at a = 0, b = 0, k = 2"),
-        ("where(a > 0, a*b, -a)", ""),
-        ("where(a**2 > 2, a, 0)", ""),  # at no plain place
-    ],
-)
-def test_a_jump_is_told_at_an_exact_place(choice: str, place: str) -> None:
-    assert jump(parse(choice), ("a", "b"), {"k": Fraction(2)}) == place
+    # zero force is a limit of points of K: to have it in K changes nothing; a line of points beside it would
+    assert not any(keeps for said, keeps in kept.items() if "if you mean 0 there" in said and "norm(" not in said)
+    assert not any("if you mean 0 there" in action and "norm(" not in action for action in opened(loaded, "origin").actions)
 
 
 @pytest.mark.parametrize(
@@ -346,6 +432,7 @@ PROVED_TOO = re.compile(r"\(([a-z_, ]+) (?:is|are) proved then, too\)")
 PQ = {"p": AT_LEAST_0, "q": AT_LEAST_0}
 F = {"F1": ANY, "F2": ANY, "F11": POSITIVE, "F22": POSITIVE, "F12": ANY}
 STATE = {"u": Variable("s", observable=True), "d": Variable("Y", domain=Domain.between(0, 1))}
+PART = Domain.between(0, "9/10")
 FOLLOWED = {
     "a quadric": law("F1*a + F2*b + F11*a**2 + F22*b**2 + 2*F12*a*b - 1", F),
     "strengths": law("a**2/x**2 + b**2/y**2 + 2*f*a*b/(x*y) - 1", {"x": POSITIVE, "y": POSITIVE, "f": Domain.between(-2, 2)}),
@@ -357,8 +444,9 @@ FOLLOWED = {
     "angle": law("abs(q) - m*p*tan(f)*(1 - exp(-p/k))", {"m": POSITIVE, "f": Domain.between(0, 1), "k": POSITIVE}, "qp"),
     "creep": law("A*(cosh(a) - 1) - B*a**2", {"A": POSITIVE, "B": ANY}, "a", viscous=True),
     "flow": law("A*a**4 + B*a**2 + D*a", {"A": POSITIVE, "B": ANY, "D": ANY}, "a", viscous=True),
-    "damage": law("Y - c", {"c": POSITIVE, "k": POSITIVE} | {name: own.domain for name, own in STATE.items()}, "Y", variables=STATE,
-                  energy="k*u**2/2 + c*abs(1 - d) + c*d**2"),
+    "damage": law("abs(s)/(1 - d) - c", {x: POSITIVE for x in "ckh"} | {"n": Domain.between(1, 4), "u": ANY, "v": ANY, "d": PART}, "sY",
+                  flow=("sign(s)/(1 - d)", "(Y/h)**n/(1 - d)"), energy="(1 - d)*k/2*(u - v)**2",
+                  variables={"u": Variable("s", observable=True), "v": Variable("s"), "d": Variable("Y", domain=PART)}),
 }  # fmt: skip
 
 
@@ -453,5 +541,5 @@ def test_no_more_is_tried_when_the_purse_is_empty() -> None:
     text = law_as_text(FOLLOWED["adhesion"])
     part = blocked("smoothness", StatedLaw.read(text))
     for steps, told in ((0, []), (trials._IN_ALL, ['add the constraint "w < e"'])):
-        found = that_help("smoothness", text, frozenset({"convexity"}), part, {}, list, tried=trials.Attempts(steps))
+        found = that_help("smoothness", text, frozenset({"convexity"}), part, list, tried=trials.Attempts(steps))
         assert [action.split(" (")[0] for action in found] == told

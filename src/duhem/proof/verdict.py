@@ -22,7 +22,7 @@ __all__ = ["CONTRADICTION", "ClaimResult", "Evidence", "Proof", "Trust", "Unsett
 _MOST = 60  # characters of parameters in one line
 CONTRADICTION = "contradiction"  # the method of a claim that one method proved and another refutes
 
-_FORM = "try: write this part in another form; no constraint, range or fixed value that duhem tried settles the claim"
+_FORM = "try: your own values, --set NAME=VALUE; no constraint, range, other form or plain value that duhem tried settles the claim"
 
 
 class Verdict(StrEnum):

@@ -232,7 +232,7 @@ def verdict_within(law: Criterion, claim: str, steps: int | Budget) -> Verdict:
             for name in sorted(kernel.needs(claim)):
                 if (needed := kernel.proof(name, kernel.whole.left // _SHARE, CHEAP.as_written)) is not None:
                     kernel.of(name, needed, ())
-        subject = FormulaSubject(law, EFFORTS["quick"], kernel.whole)
+        subject = dict(_in_state(law, EFFORTS["quick"], kernel.whole)).get(claim) or FormulaSubject(law, EFFORTS["quick"], kernel.whole)
         found = asked.provers_first().examine(subject, {}, kernel)
         if kernel.of(claim, found, ()).trust not in (None, Trust.CHECKED):
             found = asked.contradiction(subject, {claim: found}) or found
@@ -306,17 +306,17 @@ def _subject(law: Law, share: Fraction) -> FormulaSubject | CurveSubject | Graph
     return (GraphSubject if law.graph else RateSubject if law.forces_of_rates else FormulaSubject)(law, share)
 
 
-def _in_state(law: Law, share: Fraction) -> Iterator[tuple[str, Subject]]:
+def _in_state(law: Law, share: Fraction, steps: Budget | None = None) -> Iterator[tuple[str, FormulaSubject]]:
     """The claims that are about other forces where a law has an energy or a potential of rates, with what is examined for each."""
     if not isinstance(law, Criterion):
         return
     if law.viscous:
-        potential = FormulaSubject(rate_epigraph(law), share, of=law)
+        potential = FormulaSubject(rate_epigraph(law), share, steps, of=law)
         yield from ((name, potential) for name in CLAIMS if name not in ("state_laws", "thermal"))
     if (stored := epigraph(law)) is not None:
-        yield "state_laws", FormulaSubject(stored, share, of=law)
+        yield "state_laws", FormulaSubject(stored, share, steps, of=law)
     if (found := dissipating(law)) is not None:
-        in_state = FormulaSubject(found.law, share, of=law, state=found)
+        in_state = FormulaSubject(found.law, share, steps, of=law, state=found)
         try:
             in_state.check_defined()
         except InputError as fault:

@@ -27,7 +27,7 @@ from duhem.law.curve_law import Law
 from duhem.law.formula_law import Criterion
 from duhem.law.parameter_domain import simple_points
 from duhem.proof.decide import EFFORTS, Answer, Budget, Question, Sense
-from duhem.proof.decide.question import Obligation, obligations
+from duhem.proof.decide.question import Obligation, bounds, obligations
 from duhem.proof.facts.subject import Point, Subject, Values, middle_of, plain_choices, rationals, walk
 from duhem.proof.in_state import Dissipating, power_of_rates
 from duhem.proof.statement import Face, Problem, state
@@ -290,6 +290,17 @@ class FormulaSubject(Subject):
             if self._admits_choice(values) and values not in starts:
                 starts.append(values)
         yield from walk(starts, self._admits_choice)
+
+    def moved(self, values: Values, width: float, rng: Any) -> Values | None:
+        """The values, half of them moved at random by a share of their range, or of their size; None where the law does not admit them."""
+        there = dict[sp.Symbol, Fraction]()
+        for x, value in values.items():
+            low, high = bounds(x, self.simple.given)
+            span = max(abs(value), Fraction(1)) if low is None or high is None else high - low
+            new = Fraction(f"{float(value) + float(span) * width * rng.standard_normal():.3g}") if rng.random() < 0.5 else value
+            new = new if low is None else max(new, low)
+            there[x] = new if high is None else min(new, high)
+        return there if self._admits_choice(there) else None
 
     def _admits_choice(self, values: Values) -> bool:
         inside = self.admits(self.values_at(values, self.nowhere))

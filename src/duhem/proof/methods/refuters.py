@@ -92,8 +92,11 @@ def _of_k(subject: FormulaSubject, detail: str) -> str:
 
 def origin_at_parameters(subject: FormulaSubject) -> Evidence | None:
     """Refute by parameters at which g(0) > 0."""
+    from duhem.proof.search.margins import highest_at_zero
+
     hint = None if subject.at_origin is None else subject.ask(-subject.at_origin, Sense.NONNEGATIVE).point
-    found = (origin_outside(subject, parameters) for parameters in subject.choices(40, [hint] if hint else []))
+    hints = [hint] if hint else highest_at_zero(subject)
+    found = (origin_outside(subject, parameters) for parameters in subject.choices(40, hints))
     return Evidence.refuted_by(found, "witness-point", _of_k(subject, "zero force is outside K"))
 
 
@@ -121,8 +124,11 @@ def convexity_by_scouting(subject: FormulaSubject, choices: int = 6, steps: int 
 
 
 def convexity_by_thorough_scouting(subject: FormulaSubject) -> Evidence | None:
-    """Try sampled chords at many choices of the parameters, for a few seconds at most, because no rule has proved the claim by then."""
-    return convexity_by_scouting(subject, 60, int(_SAMPLING * subject.effort))
+    """Try chords where walks downhill end, and sampled ones at many choices of the parameters: no rule has proved the claim by then."""
+    from duhem.proof.search.long_chords import chords_downhill
+
+    found = _refuted(subject, chords_downhill(subject))
+    return found or convexity_by_scouting(subject, 60, int(_SAMPLING * subject.effort))
 
 
 def convexity_at_far_points(subject: FormulaSubject) -> Evidence | None:
@@ -369,11 +375,18 @@ def dissipation_at_points(subject: FormulaSubject, choices: int = 12) -> Evidenc
     """Refute by a boundary point where force . flow < 0, at so many choices of the parameters."""
     from duhem.proof.search.boundary_points import scouts
 
+    return _power(
+        subject, (way for s in scouts(subject, choices) for way in (s.towards_zero_force(), s.least_power(5), s.entered_again(3)))
+    )
+
+
+def _power(subject: FormulaSubject, ways: Iterable[Iterator[Exit]]) -> Evidence | None:
+    """Refute by the first crossing of the boundary where force . flow < 0 is certain."""
+
     def power(point: EnclosedPoint) -> sp.Expr | None:
         flow = enclosed_flow(subject, point)
         return None if flow is None else subject.power(flow)
 
-    ways = (way for s in scouts(subject, choices) for way in (s.towards_zero_force(), s.least_power(5), s.entered_again(3)))
     tried = (violation(subject, *exit, power, "force . flow", _DISSIPATION) for way in ways for exit in way)
     found = (with_variables(subject, witness) for witness in tried if witness is not None)
     return Evidence.refuted_by(found, "witness-power", _of_k(subject, "force . flow is negative on the boundary"))
@@ -453,11 +466,16 @@ def normality_by_sampling(subject: FormulaSubject) -> Evidence | None:
 
 
 def dissipation_by_sampling(subject: FormulaSubject) -> Evidence | None:
-    """Say at how many boundary points, at how many choices of the parameters, the slip was looked at in vain; None if none were found.
+    """Refute where walks downhill end; else say at how many boundary points the slip was looked at in vain; None if none were found.
 
     None too where no state may have the forces that would be looked at.
     """
-    return None if not subject.onto else _flow(subject, "the power is negative", lambda scout: scout.seem_to_dissipate_less_than_0())
+    from duhem.proof.search.margins import WALK, least_margin
+
+    found = least_margin("dissipation", subject, WALK)
+    refuted = None if found is None else _power(subject, [found.scout.least_power(5)])
+    told = None if not subject.onto else _flow(subject, "the power is negative", lambda scout: scout.seem_to_dissipate_less_than_0())
+    return refuted or told
 
 
 def _flow(subject: FormulaSubject, what: str, seem: Callable[[BoundaryScout], int]) -> Evidence | None:

@@ -41,18 +41,18 @@ class Exit(NamedTuple):
 
 
 class BoundaryScout:
-    """Boundary points of one parameter choice, in floats, along rays from a point of K."""
+    """Boundary points of one parameter choice, in floats, along rays from a point of K: in given directions (m, d), or all around."""
 
-    def __init__(self, subject: FormulaSubject, parameters: Values) -> None:
+    def __init__(self, subject: FormulaSubject, parameters: Values, directions: NDArray[np.float64] | None = None) -> None:
         self.subject, self.parameters = subject, parameters
         self.forces = subject.simple.forces
         self._g = compiled(subject.formula_at(parameters), self.forces)
         d = len(self.forces)
         rng = np.random.default_rng(5)
-        if d == 2:
+        if directions is None and d == 2:
             turn = 2 * np.pi * np.arange(_DIRECTIONS) / _DIRECTIONS
             directions = np.stack([np.cos(turn), np.sin(turn)], axis=1)
-        else:
+        elif directions is None:
             directions = rng.standard_normal((_DIRECTIONS, d))
         rays = np.round(directions, 6)
         # On the boundary 0 is no centre: it may be an apex, and rays from it run along the faces that meet there.

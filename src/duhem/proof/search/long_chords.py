@@ -28,8 +28,9 @@ from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.facts.subject import Point, Values
 from duhem.proof.search.boundary_points import Chord, lowest
 from duhem.proof.search.edges import affine, exact_rays, largest_loads
+from duhem.proof.search.margins import WALK, least_margin
 
-__all__ = ["chords_between_exact_rays", "chords_from_far_points", "looked_between", "sampled_chords"]
+__all__ = ["chords_between_exact_rays", "chords_downhill", "chords_from_far_points", "looked_between", "sampled_chords"]
 
 Array = NDArray[np.float64]
 _ANGLES, _SECTIONS = 720, 24
@@ -37,6 +38,7 @@ _SECTION, _NODE = 10_000, 1_200  # steps of a section, and of each node of the f
 _RADII = 10.0 ** np.linspace(-6, 6, 144)
 _POWERS = range(-20, 21)  # points lie at powers of 2
 _EXACT_NODE, _POINTS = 200, 240  # steps of each node of the formula; most points of K
+_BENT = 1e-5  # a curvature that floats show
 _NOTHING = 1e-12  # a height below this part of the greatest around is taken for 0
 _TRIED = 6  # chords for an exact look
 _ENDS = (1, 2, 3, 4, 6, 9, 12, 15, 20, 30)
@@ -62,7 +64,15 @@ def looked_between(subject: FormulaSubject) -> list[int]:
     return [n for key, n in subject.known.items() if isinstance(key, tuple) and key[0] is sampled_chords and n > 0]
 
 
-def _in_choice(subject: FormulaSubject, parameters: Values, seen: list[int]) -> Iterator[Chord]:
+def chords_downhill(subject: FormulaSubject) -> Iterator[Chord]:
+    """Chords where a walk over parameters and rays finds that the boundary bends outward; around that ray, and all around."""
+    found = least_margin("convexity", subject, WALK)
+    if found is not None and found.value < -_BENT:
+        for ways in (found.scout.directions, None):
+            yield from _in_choice(subject, found.scout.parameters, [], ways)
+
+
+def _in_choice(subject: FormulaSubject, parameters: Values, seen: list[int], ways: Array | None = None) -> Iterator[Chord]:
     forces = subject.simple.forces
     run = compiled(subject.formula_at(parameters), forces)
 
@@ -77,7 +87,12 @@ def _in_choice(subject: FormulaSubject, parameters: Values, seen: list[int]) -> 
     centre = _centre(value, len(forces))
     if centre is None:
         return
-    for p, q, p_anchor, q_anchor in _suspects(value, centre, seen):
+    # a point of the boundary is pulled towards one inside K
+    inner = None if value(centre) < 0 else lowest(value, len(forces), np.random.default_rng(3), (-3, 3))
+    inner = centre if inner is None else inner
+    for p, q, p_anchor, q_anchor in (
+        _suspects(value, centre, inner, seen) if ways is None else _along_rays(value, centre, inner, ways, seen)
+    ):
         for digits in (1, 2, 3, 4, 6, 9, 12, 16):  # the fewest decimals that still show it, for those who check by hand
             pull = 10.0**-digits
             pulled = (x + pull * (a - x) for x, a in ((p, p_anchor), (q, q_anchor)))
@@ -93,7 +108,7 @@ def _centre(value: Any, d: int) -> Array | None:
     return lowest(value, d, np.random.default_rng(3), (-3, 3))
 
 
-def _suspects(value: Any, centre: Array, seen: list[int]) -> Iterator[tuple[Array, Array, Array, Array]]:
+def _suspects(value: Any, centre: Array, inner: Array, seen: list[int]) -> Iterator[tuple[Array, Array, Array, Array]]:
     """Pairs of points of K whose midpoint seems outside, each with a point further inside to be pulled towards."""
     d = len(centre)
     rng = np.random.default_rng(4)
@@ -106,7 +121,7 @@ def _suspects(value: Any, centre: Array, seen: list[int]) -> Iterator[tuple[Arra
             directions = np.outer(np.cos(turn), frame[0]) + np.outer(np.sin(turn), frame[1])
         if section == 0 and d > 1 and value(np.zeros(d)) > 0.0:
             yield from _through_zero(value, directions)
-        yield from _along_rays(value, centre, directions, seen)
+        yield from _along_rays(value, centre, inner, directions, seen)
 
 
 def _sections(d: int) -> int:
@@ -122,8 +137,8 @@ def _through_zero(value: Any, directions: Array) -> Iterator[tuple[Array, Array,
         yield p, -p, 2 * p, -2 * p
 
 
-def _along_rays(value: Any, centre: Array, directions: Array, seen: list[int]) -> Iterator[tuple[Array, Array, Array, Array]]:
-    """``seen`` takes up how many rays left K."""
+def _along_rays(value: Any, centre: Array, inner: Array, directions: Array, seen: list[int]) -> Iterator[tuple[Array, Array, Array, Array]]:
+    """``seen`` takes up how many rays left K, and ends are pulled to the ``inner`` point."""
     rays = Rays(value, centre, directions)
     inside = rays.inside(_RADII)
     last, first = rays.narrowed(*first_exit(inside, _RADII))
@@ -136,7 +151,7 @@ def _along_rays(value: Any, centre: Array, directions: Array, seen: list[int]) -
     gap = Rays(value, centre, directions[who])
     enter, _ = gap.narrowed(_RADII[back], _RADII[back - 1])
     for leave, entry, farther in zip(boundary[who], gap.at(enter), gap.at(_RADII[back]), strict=True):
-        yield leave, entry, centre, farther
+        yield leave, entry, inner, farther
     n = len(directions)
     best: list[tuple[float, int, int]] = []
     for step in (1, 2, 4, 8, 16, 32, 64, 100, 128, 180, 220, 256, 300):
@@ -150,7 +165,7 @@ def _along_rays(value: Any, centre: Array, directions: Array, seen: list[int]) -
         if score[top] > 0:
             best.append((float(score[top]), top, (top + step) % n))
     for _, i, j in sorted(best, reverse=True):
-        yield boundary[i], boundary[j], centre, centre
+        yield boundary[i], boundary[j], inner, inner
 
 
 def chords_between_exact_rays(subject: FormulaSubject, most: int = 4) -> Iterator[Chord]:

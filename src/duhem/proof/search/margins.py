@@ -10,41 +10,80 @@ from collections.abc import Callable, Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
+import sympy as sp
 
+from duhem.expression import defined_at
+from duhem.expression.numpy_ import compiled
 from duhem.proof.facts.formula_subject import FormulaSubject
-from duhem.proof.facts.subject import Values
+from duhem.proof.facts.subject import Values, plain_choices
 from duhem.proof.search.boundary_points import BoundaryScout, scouts
 
-__all__ = ["Margin", "least_margin"]
+__all__ = ["WALK", "Margin", "highest_at_zero", "least_margin"]
 
-_CHOICES, _STEP = 6, 1e-3
+WALK = 12  # moves
+_CHOICES, _STARTS, _STEP = 6, 3, 1e-3
+_WIDTHS, _RAYS, _MOVE, _CLEAR = 4, 48, 5_000, 0.01
 _MEASURES: Mapping[str, tuple[str, Callable[[BoundaryScout], Any]]]
 
 
 class Margin(NamedTuple):
-    """The least ``value`` of a ``measure``, in floats, at a choice of the parameters and a ``point`` of the boundary."""
+    """The least ``value`` of a ``measure``, in floats, at so many-th point of the boundary that a scout found."""
 
     measure: str
     value: float
-    parameters: Values
-    point: tuple[float, ...]
+    scout: BoundaryScout
+    place: int
 
 
-def least_margin(claim: str, subject: FormulaSubject) -> Margin | None:
-    """None where nothing of the claim is measured, or no boundary point is found."""
+def least_margin(claim: str, subject: FormulaSubject, moves: int = 0) -> Margin | None:
+    """Of all that the scouts see, and that as many moves from each meet which go downhill, over parameters and directions together.
+
+    None where nothing of the claim is measured, or no boundary point is found.
+    """
     if claim not in _MEASURES or (claim == "dissipation" and not subject.onto):
         return None
     measure, of = _MEASURES[claim]
-    found = list[Margin]()
-    for scout in scouts(subject, _CHOICES):
-        if len(scout.boundary) > 1:
-            with np.errstate(all="ignore"):
-                values = np.asarray(of(scout), dtype=float)
-            values = np.where(np.isfinite(values), values, np.inf)
-            k = int(np.argmin(values))
-            if np.isfinite(values[k]):
-                found.append(Margin(measure, float(values[k]), scout.parameters, tuple(map(float, scout.boundary[k]))))
-    return min(found, key=lambda margin: margin.value, default=None)
+    best, rng = None, np.random.default_rng(9)
+    seen = sorted(((*_least(of, here), here) for here in scouts(subject, _CHOICES)), key=lambda each: each[0])
+    for value, k, here in seen[: _STARTS if moves else 1]:
+        for move in range(moves if np.isfinite(value) else 0):
+            width = 0.5 ** (move % _WIDTHS)
+            there = subject.moved(here.parameters, width, rng) if move % 3 else here.parameters
+            if there is None or not subject.budget.pays(_MOVE):
+                continue
+            way = here.directions[k]
+            ways = np.vstack([way, way + width * np.linalg.norm(way) * rng.standard_normal((_RAYS, len(way)))])
+            found, i = _least(of, scout := BoundaryScout(subject, there, ways))
+            if found < value:
+                value, k, here = found, i, scout
+        if np.isfinite(value) and (best is None or value < best.value):
+            best = Margin(measure, value, here, k)
+            if moves and value < -_CLEAR:
+                break
+    return best
+
+
+def _least(measure: Callable[[BoundaryScout], Any], scout: BoundaryScout) -> tuple[float, int]:
+    """The least value, and at which boundary point; infinite where there are none."""
+    if len(scout.boundary) < 2:
+        return np.inf, 0
+    with np.errstate(all="ignore"):
+        values = np.asarray(measure(scout), dtype=float)
+    values = np.where(np.isfinite(values), values, np.inf)
+    return float(values.min()), int(values.argmin())
+
+
+def highest_at_zero(subject: FormulaSubject, most: int = 2) -> list[Values]:
+    """The plain choices of the parameters, ends of their ranges among them, at which g is greatest at zero force, in floats."""
+    free = subject.simple.parameters
+    start = defined_at(subject.simple.g, dict.fromkeys(subject.simple.forces, sp.S.Zero))
+    if start is None or not free:
+        return []
+    tried = list(plain_choices(free, subject.simple.given))
+    with np.errstate(all="ignore"):
+        values = compiled(start, free)(*np.array([[float(one[x]) for x in free] for one in tried]).T)
+    order = np.argsort(-np.nan_to_num(np.broadcast_to(values, len(tried)), nan=-np.inf))
+    return [tried[k] for k in order[:most]]
 
 
 def _curvature(scout: BoundaryScout) -> Any:

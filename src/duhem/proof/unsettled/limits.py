@@ -5,8 +5,7 @@ Whether K stays what it was is looked at in floats, close to where the load is 0
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
-from contextlib import suppress
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from fractions import Fraction
 from itertools import islice, product
@@ -18,30 +17,34 @@ from numpy.typing import NDArray
 from duhem.expression.numpy_ import Program, compiled
 from duhem.law.domain import Domain
 from duhem.proof.facts.formula_subject import FormulaSubject
+from duhem.proof.facts.subject import Values
 from duhem.proof.kernel.constant_value import exact_value
 from duhem.proof.kernel.curvature import within_ranges
 from duhem.proof.kernel.definedness import Reader, rarely_zero
-from duhem.proof.kernel.domain import NEGATIVE, StatedDomain, gap
+from duhem.proof.kernel.domain import NEGATIVE, StatedDomain
+from duhem.proof.kernel.identity import multiplied_out
 from duhem.proof.kernel.stated_law import StatedLaw
-from duhem.proof.kernel.term import NotWritten, Term, factors, number, product_of, sum_of
+from duhem.proof.kernel.term import Term, factors, number, product_of, sum_of
+from duhem.proof.search.boundary_points import scouts
 from duhem.proof.unsettled.term_text import Names, in_text
 
-__all__ = ["jump", "keeps_k", "with_values"]
+__all__ = ["keeps_k", "same_points", "short", "split", "times", "with_values"]
 
 _MOST = 4  # parts in one formula, and ways to choose each
 _CHOICES, _DRAWN, _MOVES = 2, 24, 30  # of parameters; of places, and around each; to a zero of a size
-_PLACES = tuple(map(Fraction, ("0", "1", "-1", "2", "-2", "3", "-3", "6", "-6", "1/2", "-1/2")))
 _NEAR, _TINY, _SAME, _ROUNDING = 1e-6, 1e-11, 1e-3, 1e-9
+_MANY, _SCALES = 4000, (0.9, 0.99, 0.999, 1.001, 1.01, 1.1)  # points of many sizes; times points of the boundary
 _ZERO, _ONE = number(0), number(1)
 
 
 def with_values(read: StatedLaw, names: Names) -> Iterator[tuple[str, Term]]:
     """What to write, and g then: 0 for parts without a value, from the smallest to the largest, in g and in g times what it divides by."""
     domain, seen = within_ranges(read), set[Term]()
-    if (tip := _tip(read.g, domain)) is None:
+    if (first := Reader(domain).undecided(read.g)) is None:
         return
-    _, size, power = tip
-    for start, rank in product((read.g, _times(read.g, size, power)), range(_MOST)):
+    tip = _tip(read.g, domain)
+    _, size, power = tip or (first, _ONE, _ZERO)
+    for start, rank in product((read.g, times(read.g, size, power, domain)) if tip else (), range(_MOST)):
         g, put = start, list[tuple[Term, Term]]()
         while (tip := _tip(g, domain)) is not None and len(put) < _MOST:
             above = _above(start, tip[0], names)
@@ -57,6 +60,11 @@ def with_values(read: StatedLaw, names: Names) -> Iterator[tuple[str, Term]]:
             told = " and ".join(f"{in_text(limit, names)} for {in_text(x, names)}" for x, limit in put) + ", if you mean 0 there"
             whole = f"{in_text(g, names)} for g, which is {in_text(_raised(size, power), names)} times g"
             yield f"write {told if start is read.g else whole}", g
+    loads = Term("norm", tuple(Term("name", name=force) for force in read.forces))
+    # K may end where other loads are 0: a value at zero force alone
+    for x in _above(read.g, first, names) if not domain.constant(first) else ():
+        limit = Term("where", (Term(">", (loads, _ZERO)), x, _ZERO))
+        yield f"write {in_text(limit, names)} for {in_text(x, names)}, if you mean 0 there", read.g.put({x: limit})
 
 
 def _tip(g: Term, domain: StatedDomain) -> tuple[Term, Term, Term] | None:
@@ -68,6 +76,8 @@ def _tip(g: Term, domain: StatedDomain) -> tuple[Term, Term, Term] | None:
         power *= abs(size.args[1].value) if size.op == "**" else 1
         size = size.args[0]
     loads = [x for x in factors(size) if not x.names() or not domain.constant(x)]
+    if not loads:
+        return None
     size = loads[0] if len(loads) == 1 else size if len(loads) == len(factors(size)) else Term("*", tuple(loads))
     if domain.facts(size).sign & NEGATIVE or not rarely_zero(size, domain):
         return None
@@ -82,18 +92,18 @@ def _above(g: Term, part: Term, names: Names) -> list[Term]:
     return [*(x for x in found if isinstance(names.get(x), str)), *whole[:1], *whole[-1:], *found[:1]] or [part]
 
 
-def _times(term: Term, size: Term, power: Term) -> Term:
-    """A formula times a power of a size by which it may divide."""
+def times(term: Term, size: Term, power: Term, domain: StatedDomain) -> Term:
+    """A formula times a power of a size, powers of which are put together in each term, by which it may divide."""
     if term.op == "+":
-        return sum_of(*(_times(a, size, power) for a in term.args if a != _ZERO))
+        return sum_of(*(times(a, size, power, domain) for a in term.args if a != _ZERO))
     if term.op == "**" and term.args[1] == power and power.op != "number":
-        return Term("**", (_times(term.args[0], size, _ONE), power))
-    rest, own = _split(term, size)
+        return Term("**", (times(term.args[0], size, _ONE, domain), power))
+    rest, own = split(term, size, domain)
     for x in rest:
-        if x != term and x.op in ("+", "**") and any(_split(y, size)[1] < 0 for y in x.parts()):
-            outer = [] if not own else [_raised(size, number(own))]
-            return product_of(*(_times(y, size, power) if y is x else y for y in rest), *outer)
-    left = number(own + power.value) if power.op == "number" else sum_of(number(own), power)
+        if x != term and x.op in ("+", "**") and any(_divides(split(y, size, domain)[1]) for y in x.parts()):
+            outer = [] if own == _ZERO else [_raised(size, own)]
+            return product_of(*(times(y, size, power, domain) if y is x else y for y in rest), *outer)
+    left = short(multiplied_out(sum_of(own, power), domain))
     return product_of(*rest, *([] if left == _ZERO else [_raised(size, left)]))
 
 
@@ -101,32 +111,42 @@ def _raised(size: Term, power: Term) -> Term:
     return size if power == _ONE else Term("**", (size, power))
 
 
-def _split(term: Term, size: Term) -> tuple[list[Term], Fraction]:
+def _divides(power: Term) -> bool:
+    return power.op == "number" and power.value < 0
+
+
+def split(term: Term, size: Term, domain: StatedDomain) -> tuple[list[Term], Term]:
     """The factors of a term but for powers of a size, and the power of that."""
     if factors(term) == factors(size):
-        return [], Fraction(1)
-    if term.op == "**" and term.args[1].op == "number" and (found := _split(term.args[0], size))[1]:
-        return [Term("**", (product_of(*found[0]), term.args[1]))] if found[0] else [], found[1] * term.args[1].value
+        return [], _ONE
+    if term.op == "**" and domain.constant(term.args[1]):
+        rest, own = split(term.args[0], size, domain)
+        if own != _ZERO:
+            return [Term("**", (product_of(*rest), term.args[1]))] if rest else [], short(
+                multiplied_out(product_of(own, term.args[1]), domain)
+            )
     if term.op == "*":
-        parts = [_split(a, size) for a in term.args]
-        return [x for rest, _ in parts for x in rest], sum((own for _, own in parts), Fraction(0))
-    return [term], Fraction(0)
+        parts = [split(a, size, domain) for a in term.args]
+        return [x for rest, _ in parts for x in rest], short(multiplied_out(sum_of(*(own for _, own in parts)), domain))
+    return ([] if term == _ONE else [term]), _ZERO
+
+
+def short(constant: Term) -> Term:
+    """A number where it has no names."""
+    return constant if constant.names() else number(exact_value(constant))
 
 
 @np.errstate(all="ignore")  # where a formula has no value it is nan, or infinite
 def keeps_k(subject: FormulaSubject, g: str) -> bool:
     """Whether K seems to be as before where g has no value and a changed g has: one near those around, or of a sign found there."""
+    old, new, low, high = _both(subject, g)
     law, rng, n = subject.law, np.random.default_rng(7), len(subject.law.forces)
-    table, ranges = law.symbols(), [law.domain.get(f, Domain()) for f in law.forces]
-    old, new = (compiled(x.g, table.values()) for x in (law, replace(law, g=g, written="")))
-    low, high = np.array([[-np.inf if x.low is None else float(x.low), np.inf if x.high is None else float(x.high)] for x in ranges]).T
     equal = np.outer((0.0, 1.0, -1.0, 30.0, -30.0), np.arange(n) < (3 if law.stress else n))
     drawn = rng.standard_normal((_DRAWN, n)) * (1 - np.eye(n)[np.arange(_DRAWN) % n])
     places = np.concatenate([equal, drawn, 30 * drawn])
-    divisors = [compiled(x, table.values()) for x in _divisors(law.g) if x.free_symbols & set(law.force_symbols())]
+    divisors = [compiled(x, law.symbols().values()) for x in _divisors(law.g) if x.free_symbols & set(law.force_symbols())]
     for parameters in islice(subject.choices(_CHOICES), _CHOICES):
-        known = subject.named(subject.values_at(parameters, subject.nowhere))
-        others = [float(known[name]) for name in [*table][n:]]
+        others = _others(subject, parameters)
         at_zero = [z for divisor in divisors for z in _where_zero(divisor, drawn, others) if (low <= z).all() and (z <= high).all()]
         for z in (*(z for z in np.clip(places, low, high) if not np.isfinite(old(*z, *others))), *at_zero):
             here = float(new(*z, *others))
@@ -137,6 +157,37 @@ def keeps_k(subject: FormulaSubject, g: str) -> bool:
             if np.isfinite(here) and len(near) and not (found or np.all(np.abs(near - here) <= _SAME * (1 + abs(here)))):
                 return False
     return True
+
+
+@np.errstate(all="ignore")
+def same_points(subject: FormulaSubject, g: str) -> int:
+    """How many points lie in K, or outside, for g as it is and for a changed g; 0 where one lies in one K alone."""
+    old, new, low, high = _both(subject, g)
+    rng, seen = np.random.default_rng(11), 0
+    drawn = rng.standard_normal((_MANY, len(low))) * 10.0 ** rng.uniform(-3, 3, (_MANY, 1))
+    for scout in scouts(subject, 2 * _CHOICES):
+        near = [scale * scout.boundary for scale in _SCALES] if scout.boundary.shape[1] == len(low) else []
+        points = np.clip(np.concatenate([drawn, *near]), low, high)
+        one, two = (np.broadcast_to(run(*points.T, *_others(subject, scout.parameters)), len(points)) for run in (old, new))
+        clear = ~(np.minimum(np.abs(one), np.abs(two)) <= _ROUNDING * (1 + np.abs(points).max(axis=1)))
+        if np.any((one <= 0)[clear] != (two <= 0)[clear]):
+            return 0
+        seen += int(clear.sum())
+    return seen
+
+
+def _both(subject: FormulaSubject, g: str) -> tuple[Program, Program, NDArray[np.float64], NDArray[np.float64]]:
+    """g as it is and as it is changed, and the ends of the ranges of the forces."""
+    law = subject.law
+    old, new = (compiled(x.g, law.symbols().values()) for x in (law, replace(law, g=g, written="", surfaces=())))
+    ranges = [law.domain.get(f, Domain()) for f in law.forces]
+    low, high = np.array([[-np.inf if x.low is None else float(x.low), np.inf if x.high is None else float(x.high)] for x in ranges]).T
+    return old, new, low, high
+
+
+def _others(subject: FormulaSubject, parameters: Values) -> list[float]:
+    known = subject.named(subject.values_at(parameters, subject.nowhere))
+    return [float(known[name]) for name in [*subject.law.symbols()][len(subject.law.forces) :]]
 
 
 def _divisors(g: sp.Expr) -> list[sp.Expr]:
@@ -153,17 +204,3 @@ def _where_zero(size: Program, places: NDArray[np.float64], others: Sequence[flo
         value, steep = size(*places.T, *others), (slope**2).sum(axis=1)
         places = places - np.divide(value, steep, out=np.zeros_like(value), where=steep > _ROUNDING)[:, None] * slope
     return places[np.abs(size(*places.T, *others)) <= 10 * _TINY]
-
-
-def jump(choice: Term, forces: Sequence[str], values: Mapping[str, Fraction]) -> str:
-    """A plain place at which a choice by the forces changes over from one value to another, in exact arithmetic; "" where none is found."""
-    condition, one, two = choice.args
-    moving = sorted(choice.names() & {*forces})
-    for place in product(_PLACES, repeat=len(moving)):
-        at = {**values, **dict(zip(moving, place, strict=True))}
-        swap = {Term("name", name=name): number(value) for name, value in at.items()}
-        with suppress(NotWritten, ZeroDivisionError):
-            border, a, b = (exact_value(x.put(swap)) for x in (gap(condition), one, two))
-            if border == 0 and a != b:
-                return f"; it jumps from {a} to {b} at {', '.join(f'{name} = {at[name]}' for name in sorted(choice.names()))}"
-    return ""

@@ -1,7 +1,7 @@
 """What is said of a claim that stays open: the inequality, the part of the formula that no rule reads, the closest place, and what helps.
 
-A suggestion was tried on the law, and the claim was then proved, or refuted as it says.  Two are not tried, and say so: more steps,
-where they ran out, and to settle the claims first that this one follows from.
+A suggestion was tried on the law, and the claim was then proved, or refuted as it says.  One is not tried, and says so: more steps, where
+they ran out.
 """
 
 from __future__ import annotations
@@ -31,7 +31,8 @@ from duhem.proof.kernel.term import UNREADABLE, parse
 from duhem.proof.search.boundary_points import scouts
 from duhem.proof.search.margins import least_margin
 from duhem.proof.unsettled.blocked import Blocked, blocked, required
-from duhem.proof.unsettled.limits import jump, keeps_k, with_values
+from duhem.proof.unsettled.forms import other_forms
+from duhem.proof.unsettled.limits import keeps_k, same_points, with_values
 from duhem.proof.unsettled.term_text import Names, in_text, names_of
 from duhem.proof.unsettled.trials import Attempts, Form, settings, that_help
 from duhem.proof.verdict import CONTRADICTION, Evidence, Unsettled, Verdict
@@ -81,16 +82,14 @@ verify then says four things of it.
 
 Open: the inequality that would have to be shown, in forces and parameters.
 
-No rule reads: the smallest part of the formula that keeps the rules from a proof, and what is lacking.  The rules go from the formula to
-its parts: a sum of convex parts is convex, a norm of affine parts is, and so on.  They may know another way to write the same part, such
-as norm(a, b) for sqrt(a**2 + b**2), or where(x > 0, ..., 0) for a part that has a limit at 0.
+No rule reads: the smallest part of the formula that keeps the rules from a proof, and what is lacking.
 
 Closest: the point of the boundary, and values of the parameters, at which a search in floating-point numbers found the least margin.
 Near 0 the law is at the limit there; below 0 it may violate the claim: fix the parameters with --set at this place, and verify again.
 
-Try: what helps.  duhem changed the law (a constraint, a range of a force, a value for a part that has none, a narrower parameter, fixed
-parameters) and asked again.  It suggests a change only if the claim was settled then: proved, of a K that is not empty, or refuted.  A
-claim that is refuted with fixed parameters is false for the law.  If nothing helped, the form of the part is likely to blame."""
+Try: what helps.  duhem changed the law (a constraint, a range of a force, another form of g with the same K, a value for a part that has
+none, a narrower parameter, fixed parameters) and asked again.  It suggests a change only if the claim was settled then: proved, of a K
+that is not empty, or refuted.  A claim that is refuted with fixed parameters is false for the law."""
 
 
 class _OpenClaim(NamedTuple):
@@ -143,21 +142,19 @@ class OpenClaims:
         with suppress(*UNREADABLE):
             first = [{name: Fraction(value) for name, value in bad.items()}] if bad and own else []
             choices, forms = partial(_with_k, asked), partial(self._same, asked, names)
-            actions = that_help(claim, asked.text, proved, found, names, choices, forms, own, first, self._tried)
+            actions = that_help(claim, asked.text, proved, found, choices, forms, own, first, self._tried)
         if bad and not any(Verdict.REFUTED in action for action in actions) and claim not in _OF_G:
             actions = [*actions, f"{settings(bad)} (in floating point the claim seems to be violated there)"]
-        rests = [name for name in _rests_on(asked) if settled[name].verdict is not Verdict.PROVED]
-        if not actions and rests and all(settled[name].verdict in _OPEN for name in rests):
-            actions = [f"settle {' and '.join(rests)} first: {claim} follows from {'both' if rests[1:] else 'it'}"]
         if exhausted and not actions and subject.effort < EFFORTS["thorough"]:
             actions = ["--effort thorough, which was not tried: the steps for this claim ran out before every method had tried"]
-        part, why = (None, None) if found is None else _quoted(asked, found, names)
+        part, why = (None, None) if found is None else _quoted(found, names)
         return Unsettled(inequality, part, why, place, measure, margin, tuple(actions))
 
     def _same(self, asked: _OpenClaim, names: Names) -> list[Form]:
         """Forms of g with which K seems to be as it was, each made once."""
         if asked.subject not in self._forms:
-            self._forms[asked.subject] = [] if asked.claim == "duality" else [*_with_values(asked, names)]
+            same, values = [*_same_k(asked, names)], [] if asked.claim == "duality" else _with_values(asked, names)
+            self._forms[asked.subject] = [*same[:1], *values, *same[1:]]
         return self._forms[asked.subject]
 
 
@@ -169,14 +166,12 @@ def _inequality(claim: str, law: Law) -> str:
     return {**_INEQUALITIES, **own}.get(claim, EVERY[claim].statement)
 
 
-def _quoted(asked: _OpenClaim, found: Blocked, names: Names) -> tuple[str, str]:
+def _quoted(found: Blocked, names: Names) -> tuple[str, str]:
     """The part that no rule reads as the law has it, and what is lacking."""
-    text, why = in_text(found.part, names), found.why
+    text = in_text(found.part, names)
     if len(text) > _LONGEST:
         text = f"{text[: _LONGEST // 2]} ... {text[-_LONGEST // 2 :]}"
-    if found.part.op == "where" and isinstance(asked.law, Criterion):
-        why = f"{why}{jump(found.part, asked.law.forces, {**next(_choices(asked), {}), asked.law.pressure or '': Fraction(-1)})}"
-    return text, why
+    return text, found.why
 
 
 def _with_values(asked: _OpenClaim, names: Names) -> Iterator[Form]:
@@ -185,6 +180,21 @@ def _with_values(asked: _OpenClaim, names: Names) -> Iterator[Form]:
         if "g" in asked.text and isinstance(asked.subject, FormulaSubject) and isinstance(read := StatedLaw.read(asked.text), StatedLaw):
             texts = ((told, in_text(g, {})) for told, g in with_values(read, names))
             yield from (form for form in texts if keeps_k(asked.subject, form[1]))
+
+
+def _same_k(asked: _OpenClaim, names: Names) -> Iterator[Form]:
+    """Forms of g in which other parts have the same K."""
+    subject, law = asked.subject, asked.law
+    associated = isinstance(law, Criterion) and not law.viscous and all(surface.flow is None for surface in law.surfaces)
+    with suppress(*UNREADABLE, TooDearError), within(_STEPS):
+        if associated and isinstance(subject, FormulaSubject) and isinstance(read := StatedLaw.read(asked.text), StatedLaw):
+            for part, new, known in other_forms(read):
+                g = in_text(read.g.put({part: new}), {})
+                told = f"write {in_text(new, names)} for {in_text(part, names)}"
+                if known:
+                    yield f"{told}: K stays the same", g
+                elif compared := same_points(subject, g):
+                    yield f"{told}: K is the same at {compared} points that were compared", g
 
 
 def _choices(asked: _OpenClaim) -> Iterator[dict[str, Fraction]]:
@@ -214,25 +224,26 @@ def _has_k(asked: _OpenClaim, values: Mapping[str, Any]) -> bool:
 
 
 def _everything(asked: _OpenClaim, decide: DecideLaw | None) -> Callable[[str, Mapping[str, Any], Budget], Verdict | None] | None:
-    """What decides a claim about K of the law with changes; None of a law that has more than K."""
+    """What decides a claim of the law with changes, normality of an associated flow by convexity; None of forces of rates."""
     law, own = asked.law, asked.claim
-    if decide is None or not isinstance(law, Criterion) or law.forces_of_rates or law.viscous:
+    if decide is None or not isinstance(law, Criterion) or law.forces_of_rates:
         return None
+    by_convexity = own == "normality" and isinstance(asked.subject, FormulaSubject) and asked.subject.problem.associated
 
     def verdict(claim: str, text: Mapping[str, Any], budget: Budget) -> Verdict | None:
         with suppress(InputError):  # a variable of the state may not be 0
-            found = decide(_read(law, text), claim, budget)
-            return None if found in _OPEN else found
+            found = decide(_read(law, text), "convexity" if by_convexity else claim, budget)
+            return found if found is Verdict.PROVED or (found is Verdict.REFUTED and not by_convexity) else None
         return None
 
-    return verdict if own in _OF_G or (own == "dissipation" and not law.variables) else None
+    return verdict if own in _OF_G or own == "dissipation" or by_convexity else None
 
 
 def _read(law: Criterion, text: Mapping[str, Any]) -> Criterion:
     """The law with the changes that its text has."""
     own, more = law_as_text(law), dict[str, Any]()
     if text.get("g") != own.get("g"):
-        more = {"g": text["g"], "written": ""}
+        more = {"g": text["g"], "written": "", "surfaces": ()}
     if text["constraints"] != own["constraints"]:
         more |= {"constraints": tuple(text["constraints"]), "written_constraints": ()}
     if (ranges := text.get("domain", {})) != own.get("domain", {}):
@@ -257,19 +268,12 @@ def _free(law: Law) -> list[str]:
     return [name for name, domain in law.parameters.items() if domain.value is None]
 
 
-def _rests_on(asked: _OpenClaim) -> Iterator[str]:
-    """What the claim of an associated law follows from."""
-    if isinstance(asked.subject, FormulaSubject) and asked.subject.problem.associated and not isinstance(asked.subject, RateSubject):
-        wanted = {"normality": ("convexity",), "dissipation": ("convexity", "origin")}.get(asked.claim, ())
-        yield from (name for name in wanted if name in asked.settled)
-
-
 def _closest(asked: _OpenClaim) -> tuple[Mapping[str, str], str | None, float | None]:
     """Parameters, forces and pressure of the least margin, what is measured, and the margin."""
     subject = asked.subject
     of_k = isinstance(subject, FormulaSubject) and not isinstance(subject, RateSubject) and not subject.of.viscous
     if not isinstance(subject, FormulaSubject) or not of_k or (found := least_margin(asked.claim, subject)) is None:
         return {}, None, None
-    place = subject.named(subject.values_at(found.parameters, tuple(map(Fraction, found.point))))
+    place = subject.named(subject.values_at(found.scout.parameters, tuple(Fraction(float(x)) for x in found.scout.boundary[found.place])))
     margin = float(f"{found.value:.3g}") if abs(found.value) > _NOISE else 0.0
     return {name: f"{float(value):.{_DIGITS}g}" for name, value in place.items()}, found.measure, margin

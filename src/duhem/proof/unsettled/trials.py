@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
 from fractions import Fraction
-from itertools import chain, islice, product
+from itertools import islice, product
 from typing import Any
 
 from duhem.proof.decide import Budget
@@ -20,9 +20,9 @@ from duhem.proof.kernel.claims import needs_of, objection, rules_of
 from duhem.proof.kernel.curvature import over
 from duhem.proof.kernel.stated_law import StatedLaw, inhabited
 from duhem.proof.kernel.steps import TooDearError, within
-from duhem.proof.kernel.term import UNREADABLE, Term, factors, minus, number, product_of
+from duhem.proof.kernel.term import UNREADABLE, Term
 from duhem.proof.unsettled.blocked import Blocked
-from duhem.proof.unsettled.term_text import Names, in_text
+from duhem.proof.unsettled.term_text import in_text
 from duhem.proof.verdict import Verdict
 
 __all__ = ["Attempts", "Form", "settings", "that_help"]
@@ -32,12 +32,12 @@ Choice = Mapping[str, Fraction]
 Choices = Callable[[Iterable[Choice]], Iterable[Choice]]  # those of some at which K is not empty, and more
 Form = tuple[str, str]  # what to write, and g then
 Decide = Callable[[str, Text, Budget], Verdict | None]  # the verdict on a claim of a changed law; None where it is open
-_IN_ALL, _SHARE = 4_000_000, 2  # steps for all claims of a law; one claim may use 1/_SHARE of what is left
-_A_TRIAL, _A_KIND, _A_DECISION, _READING = 200_000, 400_000, 500_000, 5_000  # steps; for reading a law
+_IN_ALL, _SHARE = 5_000_000, 2  # steps for all claims of a law; one claim may use 1/_SHARE of what is left
+_A_TRIAL, _A_KIND, _A_DECISION, _READING = 200_000, 400_000, 250_000, 5_000  # steps; for reading a law
 _BEFORE = ("origin", "convexity", "smoothness", "normality", "dissipation", "state_laws", "homogeneity")
 _TOLD = _BEFORE[:5]  # those of which it is said that they are proved too
 _PLAIN = tuple(map(Fraction, ("1", "2", "1/2", "1/10", "3", "-1")))
-_TURNS, _MOST_CHOICES, _MOST_FIXED = 7, 6, 3  # of plain values; of those at which everything that decides is asked
+_TURNS, _MOST_CHOICES, _MOST_FIXED = 7, 6, 4  # of plain values; of those at which everything that decides is asked
 _MOST_DECIDED, _MOST_DUALS = 12, 3  # times that everything is asked about one claim
 _LONGEST = 120  # letters of a constraint
 _MOST_FORCES = 3  # of a law that may be meant for one sign of a force
@@ -59,7 +59,7 @@ class Attempts:
 
 
 def that_help(
-    claim: str, law: Text, settled: frozenset[str], blocked: Blocked | None, names: Names, choices: Choices,
+    claim: str, law: Text, settled: frozenset[str], blocked: Blocked | None, choices: Choices,
     forms: Callable[[], Sequence[Form]] = tuple, decide: Decide | None = None, first: Sequence[Choice] = (), tried: Attempts | None = None,
 ) -> list[str]:  # fmt: skip
     """What to do, so that the claim is settled: one action a kind, each seen to help.
@@ -69,20 +69,24 @@ def that_help(
     """
     asked = _Asked(claim, law, settled, decide, tried or Attempts())
     refuted = [_said("", choice, Verdict.REFUTED) for choice in first if asked.decided(_with(law, choice)) is Verdict.REFUTED]
-    if again := [told for told, changed in asked.tried.helped.items() if asked(changed)]:
+    helped = asked.tried.helped.items()
+    again = [told for told, changed in helped if asked(changed)]
+    if again := again or [told for told, changed in helped if claim != "duality" and asked.decided(changed) is Verdict.PROVED]:
         return [*again, *refuted]
     found = list[str]()
-    for kind in () if blocked is None else (_signs(law, blocked, choices), _ranges(law, blocked)):
+    kinds = (_signs(law, blocked, choices), _ranges(law, blocked)) if blocked is not None else ()
+    for kind in (*kinds, None):
         asked.steps = _A_KIND
-        if (best := next(((told, changed) for told, changed in kind if asked(changed)), None)) is not None:
+        trials = kind or ((told, _changed(law, g, {})) for told, g in (() if found else forms()))
+        if (best := next(((told, changed) for told, changed in trials if asked(changed)), None)) is not None:
             found.append(asked.keep(*best))
-    others = () if found else ((told, {**law, "g": g}) for told, g in forms())
-    found += _with_least_lost(law, chain(others, () if blocked is None else _forms(law, blocked, names)), asked)
     part = frozenset[str]() if blocked is None else blocked.part.names().union(*(c.names() for c in blocked.signs))
     if found or refuted:
         return [*found, *refuted]
-    known, asked.steps = [*choices(_choices(law))], 2 * _A_KIND
-    alone = () if forms() or not known else sorted(known[0])  # where g has no value at a tip, it is no parameter that is to blame
+    known, asked.steps = [*choices(_choices(law))], _A_KIND
+    # where g has no value at a tip, it is no parameter that is to blame; a closed form takes long to look for
+    at_a_tip = any(": K " not in told for told, _ in forms())
+    alone = () if at_a_tip or not known or claim == "duality" else sorted(known[0])
     return _narrowed(law, alone, known, {}, asked) or _settling(law, forms(), part, known, choices, asked)
 
 
@@ -114,7 +118,10 @@ class _Asked:
         if claim == "duality":  # which needs evidence
             return self.decide is not None and self.decided(law) is Verdict.PROVED
         answers = self.tried.answers.setdefault(key, {})
-        known = {name for name, holds in answers.items() if holds}.union(self.settled if law.get("g") == self.g else ())
+        known = {name for name, holds in answers.items() if holds}.union(
+            self.settled if law.get("g") == self.g else self.settled & {"origin"}
+        )
+        known |= {name for name in _BEFORE if self.tried.verdicts.get((name, key)) is Verdict.PROVED}
         if claim in known or claim in answers or self.steps < 0 or self.tried.steps <= self.kept:
             return claim in known
         with within(_A_TRIAL) as purse, suppress(*UNREADABLE, TooDearError):
@@ -138,22 +145,6 @@ class _Asked:
 
 def _key(law: Text) -> str:
     return json.dumps(law, sort_keys=True, default=str)
-
-
-def _with_least_lost(law: Text, forms: Iterator[tuple[str, Text]], asked: _Asked) -> list[str]:
-    """The form of g of which the claim is proved, and all that is proved of the law as it is, or most; what is open then is said."""
-    asked.steps, found = _A_KIND, list[tuple[int, int, str, Text]]()
-    for told, changed in forms:
-        if asked(changed):
-            claims = [name for name in _BEFORE[:3] if name != asked.claim and asked(law, name)]
-            lost = [name for name in claims if not asked(changed, name)]
-            more = f" (for this claim alone: {' and '.join(lost)} would be open)" if lost else ""
-            found.append((len(lost), len(told), told + more, changed))
-    if not found:
-        return []
-    *_, told, changed = min(found, key=lambda each: each[:3])
-    asked.tried.helped[told] = changed
-    return [told]
 
 
 def _signs(law: Text, blocked: Blocked, choices: Choices) -> Iterator[tuple[str, Text]]:
@@ -189,45 +180,14 @@ def _ranges(law: Text, blocked: Blocked) -> Iterator[tuple[str, Text]]:
             yield action, {**law, "domain": {**ranges, force: {end: "0"}}}
 
 
-def _forms(law: Text, blocked: Blocked, names: Names) -> Iterator[tuple[str, Text]]:
-    """Yield g with a limit written out, g in a maximum with loads without which a part has no value, and psi with x for abs(x)."""
-    yield from _energies(law, blocked, names)
-    if "g" not in law or blocked.part.op not in ("log", "**"):
-        return
-    if not isinstance(read := stated(law), StatedLaw) or not blocked.part.names() & {*read.forces}:
-        return
-    g, base, domain = read.g, blocked.part.args[0], over(read)
-    scale = domain.facts(product_of(*(f for f in factors(base) if domain.constant(f)))).sign
-    loads = [f for f in factors(base) if not domain.constant(f)] if scale == POSITIVE else [base]
-    ends, said = (", ".join(in_text(minus(load), own) for load in loads) for own in ({}, names))
-    wholes = (x for x in reversed([*g.parts()]) if x.op == "*" and blocked.part in x.parts())
-    if blocked.part.op == "log" and len(loads) == 1 and (whole := next(wholes, None)) is not None:
-        limit = Term("where", (Term(">", (loads[0], number(0))), whole, number(0)))
-        told = f"write {in_text(limit, names)} for {in_text(whole, names)}, and max(..., {said}) for g: so g has its limit where this is 0"
-        yield told, {**law, "g": f"max({in_text(g.put({whole: limit}), {})}, {ends})"}
-    yield f"write max(g, {said}) for g, so that g has a value wherever it may be <= 0", {**law, "g": f"max({in_text(g, {})}, {ends})"}
-
-
-def _energies(law: Text, blocked: Blocked, names: Names) -> Iterator[tuple[str, Text]]:
-    """psi with x or -x for abs(x), where the ranges of the variables leave x one sign."""
-    part = blocked.part
-    if part.op != "abs" or not isinstance(read := stated(law), StatedLaw) or read.energy is None or part not in read.energy.parts():
-        return
-    (inner,), known = part.args, over(read).facts(part.args[0]).sign
-    if not (known & NEGATIVE and known & POSITIVE):
-        same = minus(inner) if known & NEGATIVE else inner
-        told = f"write {in_text(same, names)} for {in_text(part, names)} in psi, which is the same in the ranges of the variables"
-        yield told, {**law, "energy": in_text(read.energy.put({part: same}), {})}
-
-
 def _settling(
     law: Text, forms: Sequence[Form], part: frozenset[str], known: Sequence[Choice], choices: Choices, asked: _Asked
 ) -> list[str]:
     """A form of g, or g with the fewest parameters fixed or narrowed at plain values, of which the claim is proved or refuted."""
     bases, zero, asked.steps = (("", None), *forms[:_MOST_FORMS]), Fraction(0), 2 * _A_KIND
     single = ({**choice, x: zero} for choice in known[:1] for x in choice if choice[x] and Bounds.read(law["parameters"][x]).holds(zero))
-    for values in ({}, *known[:1], *islice(choices(single), _MOST_SINGLE), *known[1:_MOST_FIXED]):
-        for told, g in bases if values else bases[1:2]:
+    for values in ({}, *known[:_MOST_FIXED], *islice(choices(single), _MOST_SINGLE)):  # an effect that is switched off says least
+        for told, g in bases if values else bases[1:]:
             if (verdict := asked.decided(_changed(law, g, values))) is Verdict.REFUTED:
                 return [_said(told, values, verdict)]
             if verdict is Verdict.PROVED:
@@ -277,8 +237,8 @@ def _narrowed(law: Text, names: Sequence[str], known: Sequence[Choice], others: 
 def _choices(law: Text) -> Iterator[dict[str, Fraction]]:
     """A few plain values of the parameters, all together, within the constraints."""
     free = {name: list(_plain(domain)) for name, domain in law["parameters"].items() if not Bounds.read(domain).single}
-    turns = ((k, step) for step in (0, 1) for k in range(_TURNS))  # of all alike, then of each at another place
-    tried = ({name: own[k * (1 + step * i) % len(own)] for i, (name, own) in enumerate(free.items())} for k, step in turns)
+    turns = product(range(_TURNS), (1, 0))  # of each at another place, and of all alike
+    tried = ({name: own[(k + step * (i % 3)) % len(own)] for i, (name, own) in enumerate(free.items())} for k, step in turns)
     seen = list[dict[str, Fraction]]()
     for choice in tried if all(free.values()) and free else ():
         if choice not in seen and len(seen) < _MOST_CHOICES and _inhabits(choice, law):
@@ -300,7 +260,9 @@ def _inhabits(choice: Choice, law: Text) -> bool:
 
 def _changed(law: Text, g: str | None, fixed: Choice) -> Text:
     """The law with another g, and fixed parameters."""
-    return _with(law if g is None else {**law, "g": g}, fixed)
+    return _with(
+        law if g is None else {**{key: own for key, own in law.items() if key != "surfaces"}, "flow": law.get("flow"), "g": g}, fixed
+    )
 
 
 def _with(law: Text, fixed: Choice) -> Text:
@@ -324,7 +286,8 @@ def _narrower(domain: Text) -> Iterator[tuple[dict[str, Any], str]]:
 
 
 def _plain(domain: Text) -> Iterator[Fraction]:
-    """A few plain values that lie in it, halves of its ends, its ends, and 0, where an effect is gone."""
+    """A few plain values that lie in it, halves of its ends, its ends, and last 0, where an effect is gone."""
     own = Bounds.read(domain)
     ends = [end for end in (own.high, own.low) if end is not None]
-    yield from dict.fromkeys(x for x in (*_PLAIN, *(end / 2 for end in ends), *ends, Fraction(0)) if own.holds(x))
+    inside = dict.fromkeys(x for x in (*_PLAIN, *(end / 2 for end in ends), *ends) if x and own.holds(x))
+    yield from (*inside, *([Fraction(0)] if own.holds(Fraction(0)) else []))

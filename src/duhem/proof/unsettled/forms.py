@@ -1,0 +1,94 @@
+"""Other forms of g with the same K, of which the rules may read more.
+
+A root by itself on one side: x <= c u^e, with c > 0 and e > 0, says the same as (pos(x)/c)^(1/e) <= u, for u >= 0 where u^e has a value.
+Of the others it depends on the law whether K stays the same, which is looked at in floats: powers put together, which may have a value
+where their factors have none; a product with a choice by a sign as one term for each side; one formula of a choice without its condition.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import suppress
+from itertools import islice
+
+from duhem.proof.kernel.curvature import within_ranges
+from duhem.proof.kernel.domain import NEGATIVE, POSITIVE, StatedDomain, gap
+from duhem.proof.kernel.stated_law import StatedLaw
+from duhem.proof.kernel.term import COMPARISONS, NotWritten, Term, factors, minus, number, product_of, sum_of
+from duhem.proof.unsettled.limits import short, split, times
+
+__all__ = ["other_forms"]
+
+_ZERO, _ONE = number(0), number(1)
+_MOST = 12  # forms of one law
+
+
+def other_forms(read: StatedLaw) -> Iterator[tuple[Term, Term, bool]]:
+    """A part of g, what to write for it, and whether K is known to stay the same then; else it is to be looked at."""
+    domain = within_ranges(read)
+    yield from islice(_forms(read.g, domain), _MOST)
+
+
+def _forms(g: Term, domain: StatedDomain) -> Iterator[tuple[Term, Term, bool]]:
+    for part in g.args if g.op == "max" else (g,):
+        with suppress(NotWritten):
+            yield from ((part, new, True) for new in _root_alone(part, domain))
+    for part in g.parts():
+        with suppress(NotWritten):
+            if part.op == "*":
+                yield from ((part, new, False) for new in (*_without_brackets(part, domain), *_by_sides(part, domain)))
+            if part.op == "where" and not domain.constant(part):
+                yield from ((part, new, False) for new in _without_condition(part))
+
+
+def _root_alone(part: Term, domain: StatedDomain) -> Iterator[Term]:
+    """Of x - c u^e the form (pos(x)/c)^(1/e) - u."""
+    for term in part.args if part.op == "+" else ():
+        moving = [f for f in factors(term) if not domain.constant(f)]
+        c = minus(product_of(*(f for f in factors(term) if domain.constant(f))))
+        if len(moving) != 1 or moving[0].op != "**" or domain.facts(c).sign != POSITIVE:
+            continue
+        u, e = moving[0].args
+        x = sum_of(*(other for other in part.args if other is not term and other != _ZERO))
+        if domain.constant(x) or not domain.constant(e) or domain.facts(e).sign != POSITIVE or (e.op == "number" and e.value >= 1):
+            continue
+        size = Term("pos", (x,)) if domain.facts(x).sign & NEGATIVE else x
+        power = number(1 / e.value) if e.op == "number" else Term("**", (e, number(-1)))
+        yield sum_of(Term("**", (_times(short(Term("**", (c, number(-1)))), size), power)), minus(u))
+
+
+def _without_brackets(part: Term, domain: StatedDomain) -> Iterator[Term]:
+    """The part without brackets, the powers of one of its factors put together in each product."""
+    own = factors(part)
+    for u in dict.fromkeys(f.args[0] if f.op == "**" else f for f in own if not domain.constant(f)):
+        for factor in (f for f in own if f.op == "+" and f != u and u in f.parts()):
+            rest, power = split(product_of(*(f for f in own if f is not factor)), u, domain)
+            if power != _ZERO:
+                yield _times(*rest, times(factor, u, power, domain))
+
+
+def _times(*terms: Term) -> Term:
+    """Their product, without ones."""
+    left = [x for x in terms if x != _ONE] or [_ONE]
+    return left[0] if len(left) == 1 else product_of(*left)
+
+
+def _by_sides(part: Term, domain: StatedDomain) -> Iterator[Term]:
+    """A product in which a choice by the sign of a force stands, 0 where that force is: the sum of both formulas, each on its side."""
+    for choice in (w for w in part.parts() if w.op == "where" and w.args[0].op in COMPARISONS):
+        x = next((side for side in choice.args[0].args if side.op == "name"), None)
+        if x is not None and x.name in domain.law.forces and _ZERO in choice.args[0].args:
+            above = domain.polynomial(gap(choice.args[0])) == domain.polynomial(x)
+            ends = {1: Term("pos", (x,)), 2: Term("neg", (x,))} if above else {2: Term("pos", (x,)), 1: Term("neg", (x,))}
+            yield sum_of(*(part.put({choice: choice.args[k], Term("abs", (x,)): size, x: size}) for k, size in ends.items()))
+
+
+def _without_condition(choice: Term) -> Iterator[Term]:
+    """One of both formulas, or the one as far as the condition goes, or the greater or the smaller of both."""
+    condition, a, b = choice.args
+    yield from (a, b)
+    for x, other in (condition.args, condition.args[::-1]) if condition.op in COMPARISONS else ():
+        if x.op == "name" and other.op == "number":
+            words = ("max", "min") if (condition.op in (">", ">=")) == (x is condition.args[0]) else ("min", "max")
+            yield from (own.put({x: Term(word, (x, other))}) for own, word in zip((a, b), words, strict=True))
+    yield from (Term(word, (a, b)) for word in ("max", "min"))
