@@ -27,7 +27,7 @@ _STEPS, _FEW = (1, 2, 3, 5), 12  # between the starts of two lines; of others ev
 _FAR = (1, 64)  # along an axis, in halves of the range of a force that has one
 _RADII = np.array([0.0, *2.0 ** np.arange(-20, 10, 0.5)])
 _HALVINGS = 42  # of what is between a radius inside and one outside
-_ROUNDING, _ALIKE, _PRICE = 1e-13, 1e-6, 20_000
+_ROUNDING, _ALIKE, _PRICE = 1e-13, 1e-6, 5_000
 _FEW_PLACES = 3  # at which lines are looked for
 _SHORT, _SAME = 10_000, 1e-11  # the denominator of a number that is taken to be exact, and how near to it
 _TURNED = np.array([*permutations((0.1, -0.2, 0.4))])[:, None, :]  # principal values in every order
@@ -170,10 +170,10 @@ class _Lines(NamedTuple):
 
     @property
     def powers(self) -> dict[str, Array]:
-        """What ends are made of, as text: 1, and what they move with."""
+        """What ends are made of, as text: 1, and what they move with; those of several parameters stay where they are."""
         found, end = {"": np.ones(count(self.places))}, self.family.end
         if end is None:
-            return found | {f"*{name}": x for name, x in self.places.items()}
+            return found | ({f"*{name}": x for name, x in self.places.items()} if len(self.places) == 1 else {})
         ((name, x),) = self.places.items()
         return found | {f"*({name} - ({end}))" if x[0] > end else f"*({end} - {name})": np.abs(x - float(end))}
 

@@ -50,7 +50,7 @@ def suggestions(
         found.append(islice(_of_lines(law, places), _FEW))
     if claim in ("convexity", "normality"):
         found += [_of_dents(dents(law, family), places, ends) for family in FAMILIES]
-    if claim == "convexity" and len(names) == 1:  # a plane of parameters has many cells, and chords would take the steps to divide it
+    if claim == "convexity":
         found.append(islice(chords(law, places, turning), _FEW))
     for families in found:
         with suppress(*UNREADABLE):
