@@ -40,14 +40,12 @@ _WORDS = {"proved": "holds", "refuted": "fails", "open": "open"}
 @text.register(FoundRegion)
 def as_text(region: FoundRegion, page: Page = PAGE) -> str:
     """The sentence, over what it was asked, a row a cell, and the ends with their polynomials."""
-    law = region.criterion
-    head = [*page.hanging(f"{law.name}: {law.summary}" if law.summary else law.name)]
-    fields = dict(_fields(region))
+    law, fields = region.criterion, dict(_fields(region))
     size = max(map(len, fields))
-    table = page.table([_HEAD, *_rows(region)], "llll", "", rule=True)
+    asked = [line for name, said in fields.items() for line in page.field(name, said, size)]
+    head = [*page.hanging(f"{law.name}: {law.summary}" if law.summary else law.name), *asked]
     ends = [line for said in _ends(region) for line in page.item(said)]
-    told = [*page.hanging(f"{region.sentence}.")]
-    return page.report([[*head, *(line for name, said in fields.items() for line in page.field(name, said, size))], told, table, ends])
+    return page.report([head, [*page.hanging(f"{region.sentence}.")], page.table([_HEAD, *_rows(region)], "llll", "", rule=True), ends])
 
 
 @sheet.register(FoundRegion)
