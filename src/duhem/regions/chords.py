@@ -22,7 +22,7 @@ from duhem.regions.seen import Array, count, level
 
 __all__ = ["Family", "Suggestion", "along", "chords"]
 
-_STARTS, _TURNS = 193, 64  # of lines both ways from an axis, and around its origin
+_STARTS, _TURNS = 193, 32  # of lines both ways from an axis, and around its origin
 _STEPS, _FEW = (1, 2, 3, 5), 12  # between the starts of two lines; of others every so many
 _FAR = (1, 64)  # along an axis, in halves of the range of a force that has one
 _RADII = np.array([0.0, *2.0 ** np.arange(-20, 10, 0.5)])
@@ -130,7 +130,7 @@ def _lines(origin: Vector, along: Vector, across: Vector, far: int) -> list[_Lin
     """Both ways from points of the axis, and all around from its origin."""
     shares, nothing = [Fraction(far * (2 * k - _STARTS + 1), _STARTS - 1) for k in range(_STARTS)], (Fraction(0),) * len(origin)
     starts = [tuple(o + share * a for o, a in zip(origin, along, strict=True)) for share in shares]
-    turns = [[Fraction(word(2 * pi * k / _TURNS)).limit_denominator(16) for word in (cos, sin)] for k in range(_TURNS)]
+    turns = [[Fraction(word(2 * pi * k / _TURNS)).limit_denominator(8) for word in (cos, sin)] for k in range(_TURNS)]
     around = [_Line(origin, tuple(one * a + two * b for a, b in zip(along, across, strict=True)), nothing) for one, two in turns]
     return [*(_Line(start, tuple(way * x for x in across), nothing) for start in starts for way in (1, -1)), *around]
 
