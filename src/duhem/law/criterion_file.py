@@ -109,11 +109,11 @@ class SectionReader:
             return parse_graph(text, known, short, where=self.where, line=line, column=column), ""
         return parse_expression(text, known, where=self.where, line=line, column=column, short=short), written_out(text, short)
 
-    def entries(self, *path: Key, example: str) -> list[tuple[Key, ...]]:
+    def entries(self, *path: Key, example: str, of: str = "expressions") -> list[tuple[Key, ...]]:
         """The places of the formulas in a list."""
         given = self.value(*path)
         if not (isinstance(given, list) and all(isinstance(c, str) for c in given)):
-            raise self.error(f"{path[-1]} is not a list of expressions", *path, remedy=f"write {path[-1]} = {example}")
+            raise self.error(f"{path[-1]} is not a list of {of}", *path, remedy=f"write {path[-1]} = {example}")
         return [(*path, i) for i in range(len(given))]
 
     def error(self, what: str, *path: Key, remedy: str) -> InputError:
@@ -204,7 +204,7 @@ class _CriterionReader(SectionReader):
             other = ("g", "potential", "stress", "[flow]", "[surface]", "[domain]", "[energy]", "[variables]", "[heat]")
             self.alone("[boundary]", *other)
             return self.curve(forces, pressure, domains, declared)
-        define = self.definitions(known, stress)
+        define = definitions(self.placed[1], known, stress)
         axes, read = [known[f] for f in forces], partial(self.stated, known=known, short=define.short)
         viscous = "potential" in dissipation
         if viscous or of_rates:
@@ -237,7 +237,7 @@ class _CriterionReader(SectionReader):
         if pressure is None or len(forces) != 2:
             raise self.error("a boundary curve takes two forces and a pressure", "boundary", remedy="declare them, or write g instead")
         known = {angle: symbol(angle)} | {p: domain.symbol(p) for p, domain in domains.items()}
-        define = self.definitions(known, None)
+        define = definitions(self.placed[1], known, None)
         read = partial(self.stated, known=known, short=define.short)
         boundary = self.components("T", known[angle], read)
         flow = self.components("direction", known[angle], read) if "direction" in self.table("boundary") else []
@@ -332,9 +332,6 @@ class _CriterionReader(SectionReader):
         texts = {f"written_{key}": {name: text for name, (_, text) in found.items()} for key, found in said.items()}
         return {"variables": variables, "energy": energy[0], "written_energy": energy[1], **expressions, **texts}
 
-    def definitions(self, known: Mapping[str, sp.Symbol], stress: Stress | None) -> Definitions:
-        return definitions(self.placed[1], known, stress)
-
     @cached_property
     def placed(self) -> tuple[Indexed, Mapping[str, PlacedFormula]]:
         """What may be written with an index, and the definitions, a vector part by part."""
@@ -427,11 +424,9 @@ class _CriterionReader(SectionReader):
             raise self.error(f"{name}: {fault.what}", section, name, remedy=fault.remedy) from None
 
     def constraints(self, parameters: Mapping[str, sp.Symbol], define: Definitions, loads: Sequence[str | None]) -> Relations:
-        given = self.document["criterion"].get("constraints", [])
-        if not (isinstance(given, list) and all(isinstance(c, str) for c in given)):
-            remedy = 'write constraints = ["e < mu_b"]'
-            raise self.error("constraints is not a list of comparisons", "criterion", "constraints", remedy=remedy)
-        placed = [self.formula("criterion", "constraints", i) for i in range(len(given))]
+        at = ("criterion", "constraints")
+        entries = self.entries(*at, example='["e < mu_b"]', of="comparisons") if at[1] in self.document[at[0]] else []
+        placed = [self.formula(*entry) for entry in entries]
         for text, line, column in placed:
             for name in (name for name in re.finditer(r"\w+", text) if name[0] in loads):
                 remedy = "constraints relate parameters only; a range of a force or of the pressure belongs in the section [domain]"
