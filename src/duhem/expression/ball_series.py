@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from functools import partial, reduce
+from math import factorial
 from typing import Any
 
 import flint
@@ -34,11 +35,7 @@ def derivatives(value: Any, order: int) -> list[Any]:
     """The value at 0 and its derivatives up to ``order``, in balls."""
     if not isinstance(value, flint.arb_series):
         return [value, *([flint.arb(0)] * order)]
-    factorial, found = 1, []
-    for k in range(order + 1):
-        factorial *= max(k, 1)
-        found.append(value[k] * factorial)
-    return found
+    return [value[k] * factorial(k) for k in range(order + 1)]
 
 
 def _known(node: Any) -> Any:

@@ -130,9 +130,6 @@ def table(context: Any) -> Table[Any]:
     def comparison(compare: Callable[[Any, Any], bool]) -> Callable[..., Any]:
         return lambda _, a, b: nan if context.isnan(a) or context.isnan(b) else context.mpf(compare(a, b))
 
-    def where(_: Any, condition: Any, a: Any, b: Any) -> Any:
-        return nan if context.isnan(condition) else a if condition == 1 else b
-
     def eigmax(_: Any, *entries: Any) -> Any:
         if not all(map(context.isfinite, entries)):
             return nan
@@ -151,7 +148,7 @@ def table(context: Any) -> Table[Any]:
         Pos: lambda _, x: extreme(max)(_, x, zero),
         Neg: lambda _, x: extreme(max)(_, -x, zero),
         Norm: lambda _, *x: context.sqrt(reduce(operator.add, (v * v for v in x))),
-        Where: where,
+        Where: lambda _, condition, a, b: nan if context.isnan(condition) else a if condition == 1 else b,
         **{kind: comparison(holds) for kind, holds in COMPARISONS.items()},
     }
 

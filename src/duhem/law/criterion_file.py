@@ -6,7 +6,6 @@
 
 from __future__ import annotations
 
-import json
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -30,7 +29,7 @@ from duhem.law.formula_law import FORCES, PRESSURE, Criterion, Definitions, Plac
 from duhem.law.given import Relations
 from duhem.law.learned import table_beside
 from duhem.law.parameter_domain import check_domain
-from duhem.law.placed_toml import Key, PlacedToml, parsed, text_of
+from duhem.law.placed_toml import Key, PlacedToml, parsed, quoted, text_of
 from duhem.law.state import Variable, Variables, misfits, variables_of
 
 __all__ = ["MOST_BYTES", "SectionReader", "criterion_text", "expected_verdicts", "read", "reads"]
@@ -528,21 +527,21 @@ def criterion_text(law: Law) -> str:
 
     InputError for a value or an end of a domain that is no finite decimal.
     """
-    lines = ["[criterion]", f"name = {_quoted(law.name)}"]
-    lines += [f"{key} = {_quoted(value)}" for key, value in (("summary", law.summary), ("source", law.source)) if value]
-    lines += [f"forces = [{', '.join(map(_quoted, law.forces))}]"]
-    lines += [f"pressure = {_quoted(law.pressure) if law.pressure else 'false'}"]
+    lines = ["[criterion]", f"name = {quoted(law.name)}"]
+    lines += [f"{key} = {quoted(value)}" for key, value in (("summary", law.summary), ("source", law.source)) if value]
+    lines += [f"forces = [{', '.join(map(quoted, law.forces))}]"]
+    lines += [f"pressure = {quoted(law.pressure) if law.pressure else 'false'}"]
     if isinstance(law, Criterion) and not (law.surfaces or law.viscous or law.forces_of_rates):
-        lines += [f"g = {_quoted(law.graph.last if law.graph else _text(law, law.g))}", *_potential(law)]
+        lines += [f"g = {quoted(law.graph.last if law.graph else _text(law, law.g))}", *_potential(law)]
     if law.constraints:
-        lines += [f"constraints = [{', '.join(_quoted(_text(law, c)) for c in law.constraints)}]"]
+        lines += [f"constraints = [{', '.join(quoted(_text(law, c)) for c in law.constraints)}]"]
     of_state = () if isinstance(law, ParametricCriterion) else (*law.variables, *law.heat)
     own = {name: domain for name, domain in law.parameters.items() if name not in of_state}
     if isinstance(law, Criterion) and law.graph:
-        lines += ["", "[define]", *(f"{name} = {_quoted(text)}" for name, text in law.graph.nodes)]
+        lines += ["", "[define]", *(f"{name} = {quoted(text)}" for name, text in law.graph.nodes)]
     lines += ["", "[parameters]", *(f"{name} = {_domain(domain, f'{law.name}: {name}')}" for name, domain in own.items())]
     if isinstance(law, ParametricCriterion):
-        lines += ["", "[boundary]", f"angle = {_quoted(law.angle)}", f"T = {_list(law, law.boundary)}"]
+        lines += ["", "[boundary]", f"angle = {quoted(law.angle)}", f"T = {_list(law, law.boundary)}"]
         lines += [f"direction = {_list(law, law.flow)}"] if law.flow is not None else []
         return "\n".join(lines) + "\n"
     if law.domain:
@@ -554,7 +553,7 @@ def criterion_text(law: Law) -> str:
         lines += ["", "[flow]", f"direction = {_list(law, slips)}"]
     lines += _state(law)
     for surface in law.surfaces:
-        lines += ["", "[[surface]]", f"g = {_quoted(_text(law, surface.g))}", *_potential(surface)]
+        lines += ["", "[[surface]]", f"g = {quoted(_text(law, surface.g))}", *_potential(surface)]
         lines += [f"flow = {_list(law, surface.flow)}"] if surface.flow is not None and surface.potential is None else []
     return "\n".join(lines) + "\n"
 
@@ -565,13 +564,13 @@ def _state(law: Criterion) -> Iterator[str]:
         yield from ("", "[variables]")
     for name, own in law.variables.items():
         kinds = [f"{kind} = true" for kind in ("observable", "temperature") if getattr(own, kind)]
-        force = [] if own.force is None else [f"force = {_quoted(own.force)}"]
+        force = [] if own.force is None else [f"force = {quoted(own.force)}"]
         ends = _domain(law.parameters[name], f"{law.name}: {name}").strip("{ }")
         yield f"{name} = {{ {', '.join([*kinds, *force, *([ends] if ends else [])])} }}"
     if law.energy is not None:
-        yield from ("", "[energy]", f"psi = {_quoted(_text(law, law.energy))}")
+        yield from ("", "[energy]", f"psi = {quoted(_text(law, law.energy))}")
     if law.viscous or law.rates or law.forces_of_rates:
-        yield from ("", "[dissipation]", *([f"potential = {_quoted(_text(law, law.g))}"] if law.viscous else []))
+        yield from ("", "[dissipation]", *([f"potential = {quoted(_text(law, law.g))}"] if law.viscous else []))
         for key in ("rates", "forces_of_rates"):
             yield from ([f"{key} = {_named(law, getattr(law, key))}"] if getattr(law, key) else [])
     if law.heat:
@@ -582,23 +581,19 @@ def _state(law: Criterion) -> Iterator[str]:
 
 
 def _named(law: Law, formulas: Mapping[str, sp.Expr]) -> str:
-    return f"{{ {', '.join(f'{name} = {_quoted(_text(law, x))}' for name, x in formulas.items())} }}"
+    return f"{{ {', '.join(f'{name} = {quoted(_text(law, x))}' for name, x in formulas.items())} }}"
 
 
 def _potential(stated: Criterion | YieldSurface) -> list[str]:
-    return [] if stated.potential is None else [f"potential = {_quoted(stated.potential)}"]
+    return [] if stated.potential is None else [f"potential = {quoted(stated.potential)}"]
 
 
 def _list(law: Law, formulas: Sequence[sp.Expr]) -> str:
-    return f"[{', '.join(_quoted(_text(law, x)) for x in formulas)}]"
+    return f"[{', '.join(quoted(_text(law, x)) for x in formulas)}]"
 
 
 def _text(law: Law, expr: sp.Basic) -> str:
     return faithful(expr, law.symbols().values())
-
-
-def _quoted(text: str) -> str:
-    return json.dumps(text, ensure_ascii=False)  # a JSON string of printable text is a basic string of TOML
 
 
 def _domain(domain: Domain, where: str) -> str:
