@@ -7,7 +7,8 @@ bends is certain; where it is open the value is enclosed and every derivative is
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
-from functools import partial
+from functools import partial, reduce
+from math import factorial
 from typing import Any
 
 import flint
@@ -34,11 +35,7 @@ def derivatives(value: Any, order: int) -> list[Any]:
     """The value at 0 and its derivatives up to ``order``, in balls."""
     if not isinstance(value, flint.arb_series):
         return [value, *([flint.arb(0)] * order)]
-    factorial, found = 1, []
-    for k in range(order + 1):
-        factorial *= max(k, 1)
-        found.append(value[k] * factorial)
-    return found
+    return [value[k] * factorial(k) for k in range(order + 1)]
 
 
 def _known(node: Any) -> Any:
@@ -85,14 +82,9 @@ def _open(value: Any, *like: Any) -> Any:
     return flint.arb_series([value, *([flint.arb("nan")] * (min(orders) - 1))], prec=min(orders)) if orders else value
 
 
-def _lattice(sense: int) -> Callable[..., Any]:
-    def chosen(node: sp.Basic, first: Any, *rest: Any) -> Any:
-        for x in rest:
-            gap = first - x
-            first = x + _signed(node, gap, 0, 1) if sense > 0 else x + _signed(node, gap, 1, 0)
-        return first
-
-    return chosen
+def _lattice(below: int, node: sp.Basic, first: Any, *rest: Any) -> Any:
+    """The least where what is ``below`` another counts (1), else the greatest (0)."""
+    return reduce(lambda a, b: b + _signed(node, a - b, below, 1 - below), rest, first)
 
 
 def _atan2(node: sp.Basic, y: Any, x: Any) -> Any:
@@ -119,13 +111,9 @@ def _elementary(word: Elementary, node: sp.Basic, x: Any) -> Any:
     return word.series(x) if word.series else getattr(x, word.name)()
 
 
-def _compared(sense: int) -> Callable[..., bool | None]:
-    def truth(node: sp.Basic, a: Any, b: Any) -> bool | None:
-        gap = a - b
-        sign = certain_sign(_here(gap))
-        return None if not sign else sign == sense
-
-    return truth
+def _compared(sense: int, _: sp.Basic, a: Any, b: Any) -> bool | None:
+    sign = certain_sign(_here(a - b))
+    return None if not sign else sign == sense
 
 
 TABLE: Table[Any] = {
@@ -137,10 +125,10 @@ TABLE: Table[Any] = {
     sp.Abs: lambda node, x: _signed(node, x, -1, 1),
     Pos: lambda node, x: _signed(node, x, 0, 1),
     Neg: lambda node, x: _signed(node, x, -1, 0),
-    sp.Max: _lattice(1),
-    sp.Min: _lattice(-1),
+    sp.Max: partial(_lattice, 0),
+    sp.Min: partial(_lattice, 1),
     Norm: lambda _, *parts: sum((p * p for p in parts), flint.arb(0)).sqrt(),
     EigMax: _eigmax,
     Where: lambda node, condition, a, b: flint.arb("nan") * a if condition is None else a if condition else b,
-    **{kind: _compared(1 if holds(1, 0) else -1) for kind, holds in COMPARISONS.items()},
+    **{kind: partial(_compared, 1 if holds(1, 0) else -1) for kind, holds in COMPARISONS.items()},
 }

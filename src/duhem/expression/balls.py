@@ -126,16 +126,13 @@ def _eigmax(node: sp.Basic, *entries: Any) -> Any:
     return mean + near.union(far) + flint.arb(0, spread)
 
 
-def _extreme(pick: Callable[[Any, Any], Any]) -> Callable[..., Any]:
-    def row(_: sp.Basic, *values: Any) -> Any:
-        if not all(v.is_finite() for v in values):
-            return flint.arb("nan")
-        return reduce(pick, [v.lower() for v in values]).union(reduce(pick, [v.upper() for v in values]))
-
-    return row
+def _extreme(pick: Callable[[Any, Any], Any], _: sp.Basic, *values: Any) -> Any:
+    if not all(v.is_finite() for v in values):
+        return flint.arb("nan")
+    return reduce(pick, [v.lower() for v in values]).union(reduce(pick, [v.upper() for v in values]))
 
 
-_max, _min = _extreme(lambda a, b: a if a > b else b), _extreme(lambda a, b: b if a > b else a)
+_max, _min = partial(_extreme, lambda a, b: a if a > b else b), partial(_extreme, lambda a, b: b if a > b else a)
 
 
 def _elementary(word: Elementary, _: sp.Basic, x: Any) -> Any:
@@ -156,11 +153,8 @@ def _where(node: sp.Basic, condition: bool | None, a: Any, b: Any) -> Any:
 _FAILS: dict[Any, Callable[[Any, Any], bool]] = {gt: le, ge: lt, lt: ge, le: gt}  # what holds where a comparison never does
 
 
-def _truth(sure: Callable[[Any, Any], bool], never: Callable[[Any, Any], bool]) -> Callable[..., bool | None]:
-    def relation(node: sp.Basic, left: Any, right: Any) -> bool | None:
-        return True if sure(left, right) else False if never(left, right) else None
-
-    return relation
+def _truth(sure: Callable[[Any, Any], bool], _: sp.Basic, left: Any, right: Any) -> bool | None:
+    return True if sure(left, right) else False if _FAILS[sure](left, right) else None
 
 
 TABLE: Table[Any] = {
@@ -177,5 +171,5 @@ TABLE: Table[Any] = {
     Norm: _norm,
     EigMax: _eigmax,
     Where: _where,
-    **{kind: _truth(holds, _FAILS[holds]) for kind, holds in COMPARISONS.items()},
+    **{kind: partial(_truth, holds) for kind, holds in COMPARISONS.items()},
 }

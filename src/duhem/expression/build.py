@@ -283,9 +283,7 @@ def _is_unreal(expr: sp.Expr) -> bool:
 
 def _is_zero(expr: sp.Expr) -> bool:
     """Whether a constant is zero, or cannot be told from it in a hundred digits."""
-    if not expr.is_number:
-        return expr == 0
-    if expr.is_Rational:
+    if expr.is_Rational or not expr.is_number:
         return bool(expr == 0)
     if abs(approximate(expr)) > 1e-9:
         return False

@@ -111,15 +111,8 @@ def removable(expressions: Iterable[sp.Expr], relations: Iterable[sp.Basic], can
     if not symbols:
         return []
     matrix = sp.Matrix([[row.get(x, 0) for x in symbols] for row in conditions.rows] or [[0] * len(symbols)])
-    basis = [list(v) for v in matrix.nullspace()]
-    chosen: list[sp.Symbol] = []
-    columns: list[list[Any]] = []
-    for x in candidates:
-        column = [v[symbols.index(x)] for v in basis]
-        if sp.Matrix([*columns, column]).rank() == len(columns) + 1:
-            chosen.append(x)
-            columns.append(column)
-    return chosen
+    changes = sp.Matrix([[v[symbols.index(x)] for x in candidates] for v in matrix.nullspace()])
+    return [candidates[i] for i in changes.rref()[1]]  # whose columns are independent of those before
 
 
 def degree(expr: sp.Expr, forces: Sequence[sp.Symbol]) -> sp.Rational | None:

@@ -76,12 +76,9 @@ def constant(node: Any) -> Callable[[], Bounded]:
     return partial(Bounded, value, off)
 
 
-def _add(_: Any, *terms: Bounded) -> Bounded:
-    def two(a: Bounded, b: Bounded) -> Bounded:
-        value = np.add(a.value, b.value)
-        return Bounded(value, _sum(_sum(a.bound, b.bound), _UNIT * np.abs(value)))
-
-    return reduce(two, terms)
+def _total(a: Bounded, b: Bounded) -> Bounded:
+    value = np.add(a.value, b.value)
+    return Bounded(value, _sum(_sum(a.bound, b.bound), _UNIT * np.abs(value)))
 
 
 def _sum(a: Any, b: Any) -> Any:
@@ -181,18 +178,14 @@ def eigenvalue(value: Any, entries: Sequence[Bounded]) -> Bounded:
     return Bounded(value, off + 8.0 * _WORD * reduce(np.maximum, [np.abs(a.value) for a in entries]))
 
 
-def _extreme(most: Callable[[Any, Any], Any]) -> Callable[..., Bounded]:
+def _extreme(most: Callable[[Any, Any], Any], _: Any, *args: Bounded) -> Bounded:
     """Of the values, of all at their upper ends and of all at their lower ends."""
-
-    def row(_: Any, *args: Bounded) -> Bounded:
-        value = reduce(most, [a.value for a in args])
-        if all(map(_exact, args)):
-            return Bounded(value, 0.0)
-        up, down = reduce(most, [a.value + a.bound for a in args]), reduce(most, [a.value - a.bound for a in args])
-        some = reduce(np.maximum, [a.bound for a in args]) > 0.0
-        return Bounded(value, np.where(some, np.maximum(up - value, value - down) + 2 * _UNIT * np.abs(value), 0.0))
-
-    return row
+    value = reduce(most, [a.value for a in args])
+    if all(map(_exact, args)):
+        return Bounded(value, 0.0)
+    up, down = reduce(most, [a.value + a.bound for a in args]), reduce(most, [a.value - a.bound for a in args])
+    some = reduce(np.maximum, [a.bound for a in args]) > 0.0
+    return Bounded(value, np.where(some, np.maximum(up - value, value - down) + 2 * _UNIT * np.abs(value), 0.0))
 
 
 def _ramp(node: Any, x: Bounded) -> Bounded:
@@ -207,17 +200,14 @@ def _positive_part(x: Any) -> Any:
     return np.maximum(x, np.zeros_like(x) if isinstance(x, np.ndarray) else 0.0)
 
 
-def _comparison(kind: type) -> Callable[..., Bounded]:
+def _comparison(node: Any, a: Bounded, b: Bounded) -> Bounded:
     """1 or 0, and a bound of 1 where it might be the other."""
-
-    def row(_: Any, a: Bounded, b: Bounded) -> Bounded:
-        if _exact(a) and _exact(b):
-            return Bounded(numpy_.TABLE[kind](_, a.value, b.value), 0.0)
-        off = a.bound + b.bound
-        open_ = (np.abs(np.subtract(a.value, b.value)) <= off) & (off > 0.0)
-        return Bounded(numpy_.TABLE[kind](_, a.value, b.value), np.where(open_, 1.0, 0.0))
-
-    return row
+    value = numpy_.TABLE[type(node)](node, a.value, b.value)
+    if _exact(a) and _exact(b):
+        return Bounded(value, 0.0)
+    off = a.bound + b.bound
+    open_ = (np.abs(np.subtract(a.value, b.value)) <= off) & (off > 0.0)
+    return Bounded(value, np.where(open_, 1.0, 0.0))
 
 
 def _where(_: Any, condition: Bounded, a: Bounded, b: Bounded) -> Bounded:
@@ -229,19 +219,19 @@ def _where(_: Any, condition: Bounded, a: Bounded, b: Bounded) -> Bounded:
 
 
 TABLE: Table[Bounded] = {
-    sp.Add: _add,
+    sp.Add: lambda _, *x: reduce(_total, x),
     sp.Mul: lambda _, *x: reduce(_product, x),
     sp.Pow: _power,
     sp.Abs: lambda _, x: Bounded(np.abs(x.value), x.bound),
     EigMax: _eigmax,
     **{word.node: partial(_elementary, word) for word in ELEMENTARY.values()},
     Atan2: _atan2,
-    sp.Min: _extreme(np.minimum),
-    sp.Max: _extreme(np.maximum),
+    sp.Min: partial(_extreme, np.minimum),
+    sp.Max: partial(_extreme, np.maximum),
     Pos: _ramp,
     Neg: _ramp,
     Norm: _norm,
     PNorm: _pnorm,
     Where: _where,
-    **{kind: _comparison(kind) for kind in COMPARISONS},
+    **dict.fromkeys(COMPARISONS, _comparison),
 }

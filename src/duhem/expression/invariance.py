@@ -69,10 +69,7 @@ def shears_of_isotropic(g: sp.Expr, forces: Sequence[sp.Symbol]) -> tuple[sp.Sym
     """
     if len(forces) != 6:
         return None
-    for shear in permutations(forces[3:]):
-        if _invariant(g, (*forces[:3], *shear)):
-            return shear
-    return None
+    return next((shear for shear in permutations(forces[3:]) if _invariant(g, (*forces[:3], *shear))), None)
 
 
 def _turns() -> tuple[sp.Matrix, ...]:

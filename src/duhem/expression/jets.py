@@ -12,7 +12,7 @@ where eigenvalues are equal; else, and then at less cost, a norm at its zero is 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache, partial, reduce
 from itertools import combinations, count
@@ -154,14 +154,12 @@ def _compiled(expr: sp.Expr, order: tuple[sp.Symbol, ...], strict: bool) -> JetP
     def smooth(row: Callable[..., Jet]) -> Callable[[Any], Callable[..., Jet]]:
         return lambda node: partial(_smooth, row, node)
 
-    def kinked(row: Callable[..., Jet]) -> Callable[[Any], Callable[..., Jet]]:
-        return lambda node: partial(row, node, next(met))
-
-    def shifted(row: Callable[..., Jet]) -> Callable[[Any], Callable[..., Jet]]:
-        return lambda node: partial(row, node, next(shifts))
+    def numbered(row: Callable[..., Jet], numbers: Iterator[int]) -> Callable[[Any], Callable[..., Jet]]:
+        return lambda node: partial(row, node, next(numbers))
 
     rows = {**TABLE, **_AT_ZERO} if strict else TABLE
-    table = {kind: (kinked if kind in KINKED else shifted if row in _SHIFTED else smooth)(row) for kind, row in rows.items()}
+    table = {kind: numbered(row, met) if kind in KINKED else smooth(row) for kind, row in rows.items()}
+    table |= {kind: numbered(row, shifts) for kind, row in rows.items() if row in _SHIFTED}
     recording = recorded(recognised(expr), order, table, lambda node: partial(same, Jet(np.array(numpy_.constant(node)))))
     return JetProgram(next(met), next(shifts), strict, recording)
 
@@ -170,10 +168,8 @@ def _smooth(row: Callable[..., Jet], node: Any, _: _Met, *arguments: Jet) -> Jet
     return row(node, *arguments)
 
 
-def _add(_: Any, *terms: Jet) -> Jet:
-    return reduce(
-        lambda a, b: Jet(a.value + b.value, added(a.gradient, b.gradient), added(a.hessian, b.hessian), least_order((a, b))), terms
-    )
+def _sum(a: Jet, b: Jet) -> Jet:
+    return Jet(a.value + b.value, added(a.gradient, b.gradient), added(a.hessian, b.hessian), least_order((a, b)))
 
 
 def _product(a: Jet, b: Jet) -> Jet:
@@ -422,20 +418,18 @@ def _eigmax(_: Any, index: int, noted: _Met, *entries: Jet) -> Jet:
     low, middle, n = np.moveaxis(vectors, -1, 0)
     value, order = values[..., -1], least_order(entries)
 
-    def along(m: Array) -> Array | None:
+    def along(m: Array, derivatives: Iterable[Array | None]) -> Array | None:
         """n . (dA) m."""
-        terms = [times(n[..., i] * m[..., i], a.gradient) for i, a in enumerate(entries[:3])]
-        pairs = ((1, 2), (0, 2), (0, 1))
-        terms += [times(n[..., i] * m[..., j] + n[..., j] * m[..., i], a.gradient) for (i, j), a in zip(pairs, entries[3:], strict=True)]
-        return reduce(added, terms)
+        weights = [n[..., i] * m[..., i] for i in range(3)]
+        weights += [n[..., i] * m[..., j] + n[..., j] * m[..., i] for i, j in ((1, 2), (0, 2), (0, 1))]
+        return reduce(added, map(times, weights, derivatives))
 
-    gradient = along(n)
+    gradients = [a.gradient for a in entries]
+    gradient = along(n, gradients)
     if gradient is None or order == 1:
         return Jet(value, gradient, None, order)
-    weights = [n[..., 0] ** 2, n[..., 1] ** 2, n[..., 2] ** 2]
-    weights += [2 * n[..., i] * n[..., j] for i, j in ((1, 2), (0, 2), (0, 1))]
-    hessian = reduce(added, (times(w, a.hessian) for w, a in zip(weights, entries, strict=True)))
-    turns = along(low), along(middle)
+    hessian = along(n, (a.hessian for a in entries))
+    turns = along(low, gradients), along(middle, gradients)
     assert turns[0] is not None and turns[1] is not None
     noted.shifted[index] = _Axes(values, (turns[0], turns[1]), _steepness(entries))
     return Jet(value, gradient + noted.shift(gradient, index), hessian, order)
@@ -457,7 +451,7 @@ def _decomposed(matrices: Array) -> tuple[Array, Array]:
 
 
 _SMOOTH: Table[Jet] = {
-    sp.Add: _add,
+    sp.Add: lambda _, *terms: reduce(_sum, terms),
     sp.Mul: lambda _, *factors: reduce(_product, factors),
     sp.Pow: _power,
     **{word.node: lambda _, x, word=word: _elementary(word, x) for word in ELEMENTARY.values()},

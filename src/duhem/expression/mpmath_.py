@@ -40,16 +40,11 @@ def evaluate(expr: sp.Basic, values: Mapping[sp.Symbol, Any], dps: int = 30) -> 
 
 def compiled(exprs: Sequence[sp.Basic], symbols: Iterable[sp.Symbol], context: Any) -> Callable[..., list[Any]]:
     """The formulas as one function of the symbols' values; walked once, run in the precision ``context`` has at each call."""
-    rows = {sp.Tuple: lambda _, *parts: list(parts), **table(context)}
+    rows = {sp.Tuple: lambda _, *parts: parts, **table(context)}
     recording = recorded(
         sp.Tuple(*exprs), symbols, bound(rows), lambda node: once_a_precision(lambda: context.prec, partial(constant, context, node))
     )
-
-    def run(*values: Any) -> list[Any]:
-        found: list[Any] = recording.value([number(context, v) for v in values])
-        return found
-
-    return run
+    return lambda *values: list(recording.value([number(context, v) for v in values]))
 
 
 def digits(count: int) -> Any:
@@ -129,17 +124,11 @@ def table(context: Any) -> Table[Any]:
 
         return row
 
-    def total(_: Any, *x: Any) -> Any:
-        return reduce(operator.add, x)
-
     def extreme(pick: Callable[..., Any]) -> Callable[..., Any]:
         return lambda _, *x: nan if any(map(context.isnan, x)) else pick(x)
 
     def comparison(compare: Callable[[Any, Any], bool]) -> Callable[..., Any]:
         return lambda _, a, b: nan if context.isnan(a) or context.isnan(b) else context.mpf(compare(a, b))
-
-    def where(_: Any, condition: Any, a: Any, b: Any) -> Any:
-        return nan if context.isnan(condition) else a if condition == 1 else b
 
     def eigmax(_: Any, *entries: Any) -> Any:
         if not all(map(context.isfinite, entries)):
@@ -148,7 +137,7 @@ def table(context: Any) -> Table[Any]:
 
     return {
         EigMax: eigmax,
-        sp.Add: total,
+        sp.Add: lambda _, *x: reduce(operator.add, x),
         sp.Mul: lambda _, *x: reduce(operator.mul, x),
         sp.Pow: power,
         sp.Abs: lambda _, x: abs(x),
@@ -158,8 +147,8 @@ def table(context: Any) -> Table[Any]:
         sp.Max: extreme(max),
         Pos: lambda _, x: extreme(max)(_, x, zero),
         Neg: lambda _, x: extreme(max)(_, -x, zero),
-        Norm: lambda _, *x: context.sqrt(total(_, *(v * v for v in x))),
-        Where: where,
+        Norm: lambda _, *x: context.sqrt(reduce(operator.add, (v * v for v in x))),
+        Where: lambda _, condition, a, b: nan if context.isnan(condition) else a if condition == 1 else b,
         **{kind: comparison(holds) for kind, holds in COMPARISONS.items()},
     }
 

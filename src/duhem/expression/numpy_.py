@@ -149,11 +149,8 @@ COMPARED: Mapping[type, Callable[[Any, Any], Any]] = dict(
 )
 
 
-def _comparison(compare: Callable[[Any, Any], Any]) -> Callable[..., Any]:
-    def row(_: Any, a: Any, b: Any) -> Any:
-        return np.where(np.isnan(a) | np.isnan(b), np.nan, compare(a, b))
-
-    return row
+def _comparison(compare: Callable[[Any, Any], Any], _: Any, a: Any, b: Any) -> Any:
+    return np.where(np.isnan(a) | np.isnan(b), np.nan, compare(a, b))
 
 
 def _eigmax(_: Any, *entries: Any) -> Any:
@@ -178,7 +175,7 @@ TABLE: Table[Any] = {
     Norm: _norm,
     PNorm: _pnorm,
     Where: lambda _, condition, a, b: np.where(np.isnan(condition), np.nan, np.where(condition == 1.0, a, b)),
-    **{kind: _comparison(compare) for kind, compare in COMPARED.items()},
+    **{kind: partial(_comparison, compare) for kind, compare in COMPARED.items()},
 }
 
 

@@ -35,9 +35,13 @@ _UFUNCS = (
     np.add, np.subtract, np.multiply, np.true_divide, np.power, np.greater, np.greater_equal, np.less, np.less_equal, np.equal,
     np.bitwise_and, np.bitwise_or,
 )  # fmt: skip
-_SIGNS: Mapping[np.ufunc, str] = dict(zip(_UFUNCS, ["+", "-", "*", "/", "**", ">", ">=", "<", "<=", "==", "and", "or"], strict=True))
+_SIGNS = dict(zip(_UFUNCS, ["+", "-", "*", "/", "**", ">", ">=", "<", "<=", "==", "and", "or"], strict=True))
+_FORMS: Mapping[np.ufunc, str] = {
+    **{ufunc: f"{{0}} {sign} {{1}}" for ufunc, sign in _SIGNS.items()},
+    np.absolute: "abs({0})", np.negative: "-{0}", np.square: "{0} * {0}", np.invert: "not {0}",
+}  # fmt: skip
 _NORMAL = 2.0**-1022
-_TRUTHS = {">", ">=", "<", "<=", "==", "and", "or"}
+_TRUTHS = {*_UFUNCS[5:], np.invert, np.isnan, np.isfinite}
 
 
 @dataclass(frozen=True)
@@ -112,22 +116,12 @@ class Name(NDArrayOperatorsMixin):
         values = [x.known if isinstance(x, Name) else x for x in inputs]
         known = None if any(v is None for v in values) else ufunc(*values)
         texts = [_text(x) for x in inputs]
-        if ufunc in _SIGNS:
-            sign = _SIGNS[ufunc]
-            return self.let(f" {sign} ".join(texts), sign in _TRUTHS, known)
-        match ufunc:
-            case np.absolute:
-                return self.let(f"abs({texts[0]})", known=known)
-            case np.negative:
-                return self.let(f"-{texts[0]}", known=known)
-            case np.square:
-                return self.let(f"{texts[0]} * {texts[0]}", known=known)
-            case np.invert:
-                return self.let(f"not {texts[0]}", truth=True, known=known)
+        if ufunc in _FORMS:
+            return self.let(_FORMS[ufunc].format(*texts), ufunc in _TRUTHS, known)
         if ufunc in (np.maximum, np.minimum) and not isinstance(inputs[1], Name):  # nan stays nan
             return self.let(f"{texts[0]} if not {texts[0]} {'<=' if ufunc is np.maximum else '>='} {texts[1]} else {texts[1]}", known=known)
         if ufunc.__name__ in FUNCTIONS:
-            return self.let(f"{ufunc.__name__}({', '.join(texts)})", ufunc in (np.isnan, np.isfinite), known)
+            return self.let(f"{ufunc.__name__}({', '.join(texts)})", ufunc in _TRUTHS, known)
         return NotImplemented
 
     def __array_function__(self, function: Any, _: Any, arguments: tuple[Any, ...], options: Any) -> Any:

@@ -164,12 +164,15 @@ class _Writer:
         first, second = self.let(slope), self.let(bend)
         slopes = {i: self.let(f"{first} * {a}") for i, a in x.slopes.items()}
         bends = {ij: f"{first} * {a}" for ij, a in x.bends.items()}
-        for i, j in self.pairs(x.slopes):
-            bends[i, j] = _plus(bends.get((i, j)), f"{second} * {x.slopes[i]} * {x.slopes[j]}")
-        return self.named(value, slopes, bends)
+        return self.named(value, slopes, self.with_outer(bends, {i: f"{second} * {a}" for i, a in x.slopes.items()}, x.slopes))
 
     def named(self, value: str, slopes: Slopes, bends: Bends) -> _Jet:
         return _Jet(value, {i: self.let(a) for i, a in slopes.items()}, {ij: self.let(a) for ij, a in bends.items()})
+
+    def with_outer(self, bends: Bends, a: Slopes, b: Slopes) -> Bends:
+        """Second derivatives with a b^T added; of a matrix that is not symmetric the half that is kept."""
+        more = {(i, j): f"{a[i]} * {b[j]}" for i, j in self.pairs({**a, **b}) if i in a and j in b}
+        return {ij: self.let(_plus(bends.get(ij), more.get(ij))) for ij in {**bends, **more}}
 
     def sum(self, a: _Jet, b: _Jet) -> _Jet:
         slopes = {i: _plus(a.slopes.get(i), b.slopes.get(i)) for i in {**a.slopes, **b.slopes}}
@@ -177,18 +180,9 @@ class _Writer:
         return self.named(self.let(f"{a.value} + {b.value}"), slopes, bends)
 
     def product(self, a: _Jet, b: _Jet) -> _Jet:
-        slopes: dict[int, str] = {}
-        bends: dict[tuple[int, int], str] = {}
-        for one, other in ((a, b), (b, a)):
-            for i, text in one.slopes.items():
-                slopes[i] = _plus(slopes.get(i), f"{other.value} * {text}")
-            for ij, text in one.bends.items():
-                bends[ij] = _plus(bends.get(ij), f"{other.value} * {text}")
-            for i, x in one.slopes.items():
-                for j, y in other.slopes.items():
-                    if (i, j) in self.pairs((i, j)) and (i < j or one is a):
-                        bends[i, j] = _plus(bends.get((i, j)), f"{x} * {y}" + f" * {2.0}" * (i == j))
-        return self.named(self.let(f"{a.value} * {b.value}"), slopes, bends)
+        jet = self.weighted([(b.value, a), (a.value, b)])
+        bends = self.with_outer(self.with_outer(jet.bends, a.slopes, b.slopes), b.slopes, a.slopes)
+        return self.named(self.let(f"{a.value} * {b.value}"), jet.slopes, bends)
 
     def power(self, node: Any, base: _Jet, exponent: _Jet) -> _Jet:
         if exponent.slopes:
@@ -231,11 +225,8 @@ class _Writer:
         c, s = self.let(f"{x.value} / {size} / {size}"), self.let(f"{y.value} / {size} / {size}")
         turn = self.weighted([(c, y), (f"-{s}", x)])
         growth = self.weighted([(c, x), (s, y)])
-        bends = dict(turn.bends)
-        for i, j in self.pairs({**turn.slopes, **growth.slopes}):
-            for a, b in ((i, j), (j, i)):
-                if a in turn.slopes and b in growth.slopes:
-                    bends[i, j] = _plus(bends.get((i, j)), f"-{turn.slopes[a]} * {growth.slopes[b]}")
+        less = {i: f"-{a}" for i, a in turn.slopes.items()}
+        bends = self.with_outer(self.with_outer(turn.bends, less, growth.slopes), growth.slopes, less)
         return self.named(value, turn.slopes, bends)
 
     def weighted(self, parts: Sequence[tuple[str, _Jet]]) -> _Jet:
@@ -263,14 +254,13 @@ class _Writer:
         steep = ["1.0" if p == 2 else self.raised(self.let(f"max({share}, {_TINY})"), p - 2) for share in shares]
         signed = [self.let(f"{share} if {a.value} >= 0.0 else -{share}") for share, a in zip(shares, parts, strict=True)]
         jet = self.weighted([(self.let(f"{x} * {k}"), a) for x, k, a in zip(signed, steep, parts, strict=True)])
-        bends = dict(jet.bends)
+        bends = jet.bends
         for i, j in combinations(range(len(parts)), 2):
             turn = self.weighted([(signed[j], parts[i]), (f"-{signed[i]}", parts[j])]).slopes  # how their ratio turns
             if not turn:
                 continue
             weight = self.let(f"{_number(p - 1)} * {steep[i]} * {steep[j]} * {one} if {value} > 0.0 else 0.0")
-            for a, b in self.pairs(turn):
-                bends[a, b] = _plus(bends.get((a, b)), f"{weight} * {turn[a]} * {turn[b]}")
+            bends = self.with_outer(bends, {k: f"{weight} * {a}" for k, a in turn.items()}, turn)
         return self.named(value, jet.slopes, bends)
 
     def pairs(self, keys: Iterable[int]) -> list[tuple[int, int]]:
@@ -322,8 +312,7 @@ class _Writer:
 
     def finished(self, jet: _Jet) -> Bends:
         """The second derivatives with what the turning of axes adds, as :mod:`duhem.expression.jets` does."""
-        bends = dict(jet.bends)
-        forces = range(self.d)
+        bends, forces = jet.bends, range(self.d)
         slope = self.let(f"sqrt({_squares([jet.slopes[i] for i in forces if i in jet.slopes])})") if self.shifted else ""
         length = self.let(f"sqrt({_squares([f'v[x, {i}]' for i in forces])})") if self.shifted else ""
         for shift, axis in reversed(list(enumerate(self.shifted, self.d))):  # one inside another is met before it
@@ -339,8 +328,7 @@ class _Writer:
             )
             for share, turn in zip(shares, axis.turns, strict=True):
                 factor = self.let(f"{used} ({share})")
-                for i, j in self.pairs(turn):
-                    bends[i, j] = self.let(_plus(bends.get((i, j)), f"{factor} * {turn[i]} * {turn[j]}"))
+                bends = self.with_outer(bends, {i: f"{factor} * {a}" for i, a in turn.items()}, turn)
         return bends
 
     # -- kinks -------------------------------------------------------------------------------------------------

@@ -6,7 +6,6 @@
 
 from __future__ import annotations
 
-import json
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -30,7 +29,7 @@ from duhem.law.formula_law import FORCES, PRESSURE, Criterion, Definitions, Plac
 from duhem.law.given import Relations
 from duhem.law.learned import table_beside
 from duhem.law.parameter_domain import check_domain
-from duhem.law.placed_toml import Key, PlacedToml, parsed, text_of
+from duhem.law.placed_toml import Key, PlacedToml, parsed, quoted, text_of
 from duhem.law.state import Variable, Variables, misfits, variables_of
 
 __all__ = ["MOST_BYTES", "SectionReader", "criterion_text", "expected_verdicts", "read", "reads"]
@@ -109,11 +108,11 @@ class SectionReader:
             return parse_graph(text, known, short, where=self.where, line=line, column=column), ""
         return parse_expression(text, known, where=self.where, line=line, column=column, short=short), written_out(text, short)
 
-    def entries(self, *path: Key, example: str) -> list[tuple[Key, ...]]:
+    def entries(self, *path: Key, example: str, of: str = "expressions") -> list[tuple[Key, ...]]:
         """The places of the formulas in a list."""
         given = self.value(*path)
         if not (isinstance(given, list) and all(isinstance(c, str) for c in given)):
-            raise self.error(f"{path[-1]} is not a list of expressions", *path, remedy=f"write {path[-1]} = {example}")
+            raise self.error(f"{path[-1]} is not a list of {of}", *path, remedy=f"write {path[-1]} = {example}")
         return [(*path, i) for i in range(len(given))]
 
     def error(self, what: str, *path: Key, remedy: str) -> InputError:
@@ -204,7 +203,7 @@ class _CriterionReader(SectionReader):
             other = ("g", "potential", "stress", "[flow]", "[surface]", "[domain]", "[energy]", "[variables]", "[heat]")
             self.alone("[boundary]", *other)
             return self.curve(forces, pressure, domains, declared)
-        define = self.definitions(known, stress)
+        define = definitions(self.placed[1], known, stress)
         axes, read = [known[f] for f in forces], partial(self.stated, known=known, short=define.short)
         viscous = "potential" in dissipation
         if viscous or of_rates:
@@ -237,7 +236,7 @@ class _CriterionReader(SectionReader):
         if pressure is None or len(forces) != 2:
             raise self.error("a boundary curve takes two forces and a pressure", "boundary", remedy="declare them, or write g instead")
         known = {angle: symbol(angle)} | {p: domain.symbol(p) for p, domain in domains.items()}
-        define = self.definitions(known, None)
+        define = definitions(self.placed[1], known, None)
         read = partial(self.stated, known=known, short=define.short)
         boundary = self.components("T", known[angle], read)
         flow = self.components("direction", known[angle], read) if "direction" in self.table("boundary") else []
@@ -332,9 +331,6 @@ class _CriterionReader(SectionReader):
         texts = {f"written_{key}": {name: text for name, (_, text) in found.items()} for key, found in said.items()}
         return {"variables": variables, "energy": energy[0], "written_energy": energy[1], **expressions, **texts}
 
-    def definitions(self, known: Mapping[str, sp.Symbol], stress: Stress | None) -> Definitions:
-        return definitions(self.placed[1], known, stress)
-
     @cached_property
     def placed(self) -> tuple[Indexed, Mapping[str, PlacedFormula]]:
         """What may be written with an index, and the definitions, a vector part by part."""
@@ -427,11 +423,9 @@ class _CriterionReader(SectionReader):
             raise self.error(f"{name}: {fault.what}", section, name, remedy=fault.remedy) from None
 
     def constraints(self, parameters: Mapping[str, sp.Symbol], define: Definitions, loads: Sequence[str | None]) -> Relations:
-        given = self.document["criterion"].get("constraints", [])
-        if not (isinstance(given, list) and all(isinstance(c, str) for c in given)):
-            remedy = 'write constraints = ["e < mu_b"]'
-            raise self.error("constraints is not a list of comparisons", "criterion", "constraints", remedy=remedy)
-        placed = [self.formula("criterion", "constraints", i) for i in range(len(given))]
+        at = ("criterion", "constraints")
+        entries = self.entries(*at, example='["e < mu_b"]', of="comparisons") if at[1] in self.document[at[0]] else []
+        placed = [self.formula(*entry) for entry in entries]
         for text, line, column in placed:
             for name in (name for name in re.finditer(r"\w+", text) if name[0] in loads):
                 remedy = "constraints relate parameters only; a range of a force or of the pressure belongs in the section [domain]"
@@ -533,21 +527,21 @@ def criterion_text(law: Law) -> str:
 
     InputError for a value or an end of a domain that is no finite decimal.
     """
-    lines = ["[criterion]", f"name = {_quoted(law.name)}"]
-    lines += [f"{key} = {_quoted(value)}" for key, value in (("summary", law.summary), ("source", law.source)) if value]
-    lines += [f"forces = [{', '.join(map(_quoted, law.forces))}]"]
-    lines += [f"pressure = {_quoted(law.pressure) if law.pressure else 'false'}"]
+    lines = ["[criterion]", f"name = {quoted(law.name)}"]
+    lines += [f"{key} = {quoted(value)}" for key, value in (("summary", law.summary), ("source", law.source)) if value]
+    lines += [f"forces = [{', '.join(map(quoted, law.forces))}]"]
+    lines += [f"pressure = {quoted(law.pressure) if law.pressure else 'false'}"]
     if isinstance(law, Criterion) and not (law.surfaces or law.viscous or law.forces_of_rates):
-        lines += [f"g = {_quoted(law.graph.last if law.graph else _text(law, law.g))}", *_potential(law)]
+        lines += [f"g = {quoted(law.graph.last if law.graph else _text(law, law.g))}", *_potential(law)]
     if law.constraints:
-        lines += [f"constraints = [{', '.join(_quoted(_text(law, c)) for c in law.constraints)}]"]
+        lines += [f"constraints = [{', '.join(quoted(_text(law, c)) for c in law.constraints)}]"]
     of_state = () if isinstance(law, ParametricCriterion) else (*law.variables, *law.heat)
     own = {name: domain for name, domain in law.parameters.items() if name not in of_state}
     if isinstance(law, Criterion) and law.graph:
-        lines += ["", "[define]", *(f"{name} = {_quoted(text)}" for name, text in law.graph.nodes)]
+        lines += ["", "[define]", *(f"{name} = {quoted(text)}" for name, text in law.graph.nodes)]
     lines += ["", "[parameters]", *(f"{name} = {_domain(domain, f'{law.name}: {name}')}" for name, domain in own.items())]
     if isinstance(law, ParametricCriterion):
-        lines += ["", "[boundary]", f"angle = {_quoted(law.angle)}", f"T = {_list(law, law.boundary)}"]
+        lines += ["", "[boundary]", f"angle = {quoted(law.angle)}", f"T = {_list(law, law.boundary)}"]
         lines += [f"direction = {_list(law, law.flow)}"] if law.flow is not None else []
         return "\n".join(lines) + "\n"
     if law.domain:
@@ -559,7 +553,7 @@ def criterion_text(law: Law) -> str:
         lines += ["", "[flow]", f"direction = {_list(law, slips)}"]
     lines += _state(law)
     for surface in law.surfaces:
-        lines += ["", "[[surface]]", f"g = {_quoted(_text(law, surface.g))}", *_potential(surface)]
+        lines += ["", "[[surface]]", f"g = {quoted(_text(law, surface.g))}", *_potential(surface)]
         lines += [f"flow = {_list(law, surface.flow)}"] if surface.flow is not None and surface.potential is None else []
     return "\n".join(lines) + "\n"
 
@@ -570,13 +564,13 @@ def _state(law: Criterion) -> Iterator[str]:
         yield from ("", "[variables]")
     for name, own in law.variables.items():
         kinds = [f"{kind} = true" for kind in ("observable", "temperature") if getattr(own, kind)]
-        force = [] if own.force is None else [f"force = {_quoted(own.force)}"]
+        force = [] if own.force is None else [f"force = {quoted(own.force)}"]
         ends = _domain(law.parameters[name], f"{law.name}: {name}").strip("{ }")
         yield f"{name} = {{ {', '.join([*kinds, *force, *([ends] if ends else [])])} }}"
     if law.energy is not None:
-        yield from ("", "[energy]", f"psi = {_quoted(_text(law, law.energy))}")
+        yield from ("", "[energy]", f"psi = {quoted(_text(law, law.energy))}")
     if law.viscous or law.rates or law.forces_of_rates:
-        yield from ("", "[dissipation]", *([f"potential = {_quoted(_text(law, law.g))}"] if law.viscous else []))
+        yield from ("", "[dissipation]", *([f"potential = {quoted(_text(law, law.g))}"] if law.viscous else []))
         for key in ("rates", "forces_of_rates"):
             yield from ([f"{key} = {_named(law, getattr(law, key))}"] if getattr(law, key) else [])
     if law.heat:
@@ -587,23 +581,19 @@ def _state(law: Criterion) -> Iterator[str]:
 
 
 def _named(law: Law, formulas: Mapping[str, sp.Expr]) -> str:
-    return f"{{ {', '.join(f'{name} = {_quoted(_text(law, x))}' for name, x in formulas.items())} }}"
+    return f"{{ {', '.join(f'{name} = {quoted(_text(law, x))}' for name, x in formulas.items())} }}"
 
 
 def _potential(stated: Criterion | YieldSurface) -> list[str]:
-    return [] if stated.potential is None else [f"potential = {_quoted(stated.potential)}"]
+    return [] if stated.potential is None else [f"potential = {quoted(stated.potential)}"]
 
 
 def _list(law: Law, formulas: Sequence[sp.Expr]) -> str:
-    return f"[{', '.join(_quoted(_text(law, x)) for x in formulas)}]"
+    return f"[{', '.join(quoted(_text(law, x)) for x in formulas)}]"
 
 
 def _text(law: Law, expr: sp.Basic) -> str:
     return faithful(expr, law.symbols().values())
-
-
-def _quoted(text: str) -> str:
-    return json.dumps(text, ensure_ascii=False)  # a JSON string of printable text is a basic string of TOML
 
 
 def _domain(domain: Domain, where: str) -> str:

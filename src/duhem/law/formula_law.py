@@ -579,7 +579,8 @@ def criterion(
         local = Definitions.of(define or {}, shell, of, named)
         values = shell | {n: parse_expression(n, shell, short=local.short) for n in local}
         made = called(f, values)
-        surfaces = _surfaces(made)
+        parts = tuple(made) if isinstance(made, list | tuple) else (made,)
+        surfaces = parts if any(isinstance(part, YieldSurface) for part in parts) else ()
         law = Criterion(
             name=named,
             g=sp.nan if surfaces else made,
@@ -601,9 +602,3 @@ def criterion(
         return law
 
     return build if function is None else build(function)
-
-
-def _surfaces(made: Any) -> tuple[YieldSurface, ...]:
-    """What a function returned, if it is a surface or a list with one in it."""
-    parts = tuple(made) if isinstance(made, list | tuple) else (made,)
-    return parts if any(isinstance(part, YieldSurface) for part in parts) else ()

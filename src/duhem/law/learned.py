@@ -6,7 +6,6 @@ texts that stand in it, as of any law.
 
 from __future__ import annotations
 
-import json
 import os
 import re
 from collections.abc import Iterator, Mapping, Sequence
@@ -20,7 +19,7 @@ from typing import TYPE_CHECKING, Any
 from duhem.errors import InputError
 from duhem.expression.abbreviations import Stress
 from duhem.expression.number import DECIMAL, MOST_DIGITS
-from duhem.law.placed_toml import text_of
+from duhem.law.placed_toml import quoted, text_of
 
 if TYPE_CHECKING:
     import numpy as np
@@ -131,10 +130,10 @@ class Book:
 
     def criterion_file(self, name: str, rows: Sequence[str], g: str, level: str) -> LearnedFile:
         """The law g <= level, with ``rows`` of definitions over the vector x of the forces."""
-        own, x = self.forces, _toml(self.components)
+        own, x = self.forces, quoted(self.components)
         inputs = f'stress = {{ name = "{own.name}", kind = "{own.kind}" }}' if isinstance(own, Stress) else f"forces = {x}"
-        head = ["[criterion]", f"name = {_toml(name)}", inputs, "pressure = false", f'g = "{g} - ({level})"']
-        files = [f"{table} = {_toml(file)}" for table, file in self.files.items()]
+        head = ["[criterion]", f"name = {quoted(name)}", inputs, "pressure = false", f'g = "{g} - ({level})"']
+        files = [f"{table} = {quoted(file)}" for table, file in self.files.items()]
         text = [*head, "", "[tables]", *files, "", "[define]", f"x = {x}", *rows, ""]
         return LearnedFile("\n".join(text), self.texts)
 
@@ -168,10 +167,6 @@ def _polynomial(book: Book) -> str:
     book.table("exponents", count, len(book.components))
     powers = "*".join(f"x[{j}]**exponents[i, {j}]" for j in range(1, len(book.components) + 1))
     return f"sum(i, 1, {count}, coefficients[i, 1]*{powers})"
-
-
-def _toml(value: str | Sequence[str]) -> str:
-    return json.dumps(value, ensure_ascii=False)
 
 
 def exact(x: np.generic) -> str:

@@ -49,9 +49,6 @@ def ray_ends(law: Criterion, parameters: Mapping[str, float], pressure: Array, f
 def _level(law: Criterion, parameters: Mapping[str, float], pressure: Array | float | None, x: Array, y: Array) -> Array:
     """g at the stresses (x, y)."""
     table = law.symbols()
-    known: dict[Any, Any] = {table[force]: place for force, place in zip(law.forces, (x, y), strict=True)}
-    known |= {table[name]: value for name, value in parameters.items()}
-    if law.pressure:
-        known[table[law.pressure]] = pressure
+    given: dict[str, Any] = {**dict(zip(law.coordinates, (x, y, pressure), strict=False)), **parameters}
     with np.errstate(all="ignore"):
-        return np.broadcast_to(evaluate(law.g, known), x.shape)
+        return np.broadcast_to(evaluate(law.g, {table[name]: value for name, value in given.items()}), x.shape)

@@ -6,16 +6,17 @@ in whatever layout: sections, dotted and quoted keys, inline tables, arrays, arr
 
 from __future__ import annotations
 
+import json
 import re
 import tomllib
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from os import PathLike
 from typing import Any
 
 from duhem.errors import InputError
 
-__all__ = ["Key", "PlacedToml", "parsed", "text_of"]
+__all__ = ["Key", "PlacedToml", "parsed", "quoted", "text_of"]
 
 Key = str | int  # of a table by name, of an array by number
 _Path = tuple[Key, ...]
@@ -40,6 +41,11 @@ def text_of(path: str | PathLike[str], kind: str, most_bytes: int, *, absent: st
     except UnicodeDecodeError as fault:
         line = data.count(b"\n", 0, fault.start) + 1
         raise InputError("this is not text in UTF-8", where=f"{path}:{line}", remedy=f"is it a {kind}?") from None
+
+
+def quoted(value: str | Sequence[str]) -> str:
+    """A text, or a list of texts, as TOML has it: a JSON string of printable text is a basic string of TOML."""
+    return json.dumps(value, ensure_ascii=False)
 
 
 @dataclass(frozen=True)

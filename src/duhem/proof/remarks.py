@@ -355,8 +355,6 @@ def _somewhere_not_zero(expr: sp.Expr, subject: FormulaSubject) -> bool:
     """Whether at one point it is 0 for no parameter value and no pressure."""
     forces = subject.simple.forces
     axes = ([sp.Integer(i == k) for i in range(len(forces))] for k in range(len(forces)))
-    for point in chain([[sp.S.Zero] * len(forces)], axes, [[sp.Integer(3 * i + 2) for i in range(len(forces))]]):
-        value = defined_at(expr, dict(zip(forces, point, strict=True)))
-        if value is not None and subject.positive(value**2):
-            return True
-    return False
+    points = chain([[sp.S.Zero] * len(forces)], axes, [[sp.Integer(3 * i + 2) for i in range(len(forces))]])
+    values = (defined_at(expr, dict(zip(forces, point, strict=True))) for point in points)
+    return any(value is not None and subject.positive(value**2) for value in values)

@@ -15,6 +15,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from enum import StrEnum
 from fractions import Fraction
+from functools import partial
 from typing import Any, NamedTuple
 
 import sympy as sp
@@ -119,11 +120,8 @@ def _of_power(base: sp.Expr, exponent: sp.Expr) -> Iterator[Obligation]:
         yield weak if exponent.is_positive else Obligation(base, Sense.POSITIVE, "takes a power of", instead=(weak, rising))
 
 
-def _of_arc(name: str) -> Callable[[sp.Expr], Iterator[Obligation]]:
-    def needs(x: sp.Expr) -> Iterator[Obligation]:
-        yield from (Obligation(1 + sign * x, Sense.NONNEGATIVE, f"needs for an {name} that 0 <=") for sign in (-1, 1))
-
-    return needs
+def _of_arc(name: str, x: sp.Expr) -> Iterator[Obligation]:
+    yield from (Obligation(1 + sign * x, Sense.NONNEGATIVE, f"needs for an {name} that 0 <=") for sign in (-1, 1))
 
 
 def _of_angle(y: sp.Expr, x: sp.Expr) -> Iterator[Obligation]:
@@ -139,8 +137,8 @@ def _of_tangent(x: sp.Expr) -> Iterator[Obligation]:
 _NEEDS: Mapping[type[sp.Basic], Callable[..., Iterator[Obligation]]] = {
     sp.Pow: _of_power,
     sp.log: lambda x: iter([Obligation(x, Sense.POSITIVE, "takes the logarithm of")]),
-    sp.asin: _of_arc("arc sine"),
-    sp.acos: _of_arc("arc cosine"),
+    sp.asin: partial(_of_arc, "arc sine"),
+    sp.acos: partial(_of_arc, "arc cosine"),
     Atan2: _of_angle,
     sp.tan: _of_tangent,
 }

@@ -256,19 +256,16 @@ class CurveSubject(Subject):
     @cached_property
     def boundary(self) -> Vector:
         """T over (cosine, sine) and the free parameters."""
-        one, two = (self._here(self._in_angle(x)) for x in self.law.boundary)
-        return one, two
+        return self._in_angle(self.law.boundary)
 
     @cached_property
     def flow(self) -> Vector | None:
         """d likewise; None for an associated law."""
-        if self.law.flow is None:
-            return None
-        one, two = (self._here(self._in_angle(x)) for x in self.law.flow)
-        return one, two
+        return None if self.law.flow is None else self._in_angle(self.law.flow)
 
-    def _in_angle(self, expr: sp.Expr) -> sp.Expr:
-        return algebraic_angles(self._in(expr, self.sense * self.sine))
+    def _in_angle(self, pair: Vector) -> Vector:
+        one, two = (self._here(algebraic_angles(self._in(x, self.sense * self.sine))) for x in pair)
+        return one, two
 
     def _in(self, expr: sp.Expr, sine: sp.Expr) -> sp.Expr:
         turn = self.law.symbols()[self.law.angle]

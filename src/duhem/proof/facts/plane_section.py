@@ -127,10 +127,8 @@ def kinks_decided(expr: sp.Basic, box: Box) -> sp.Basic:
     if isinstance(expr, sp.Abs | Pos | Neg) and (sign := certain_sign(enclose(args[0], box))) is not None:
         slope = getattr(expr, "slope", sign)
         return slope * args[0] if sign == slope else sp.S.Zero
-    if isinstance(expr, Where):
-        holds = enclose(args[0], box)
-        if holds is not None:
-            return args[1] if holds else args[2]
+    if isinstance(expr, Where) and (holds := enclose(args[0], box)) is not None:
+        return args[1] if holds else args[2]
     return expr.func(*args)
 
 

@@ -85,13 +85,10 @@ def singular_places(subject: FormulaSubject) -> tuple[SingularPlace, ...]:
 def _suspects(subject: FormulaSubject) -> Iterator[Place]:
     """Zero force last: it is among the others where these are more than points."""
     g, forces = subject.problem.g, subject.problem.forces
-    places = dict[tuple[sp.Expr, ...], None]()
     rooted = [node for node in g.atoms(Norm, sp.Pow) if node.free_symbols & set(forces) and not (node.is_Pow and node.exp.is_Integer)]
     if not rooted:
         return
-    for node in sorted(rooted, key=sp.default_sort_key):
-        for point in _zeros(node, forces):
-            places.setdefault(point)
+    places = dict.fromkeys(point for node in sorted(rooted, key=sp.default_sort_key) for point in _zeros(node, forces))
     zero = (sp.S.Zero,) * len(forces)
     for point in [*[p for p in places if p != zero][:_MOST_PLACES], zero]:
         yield dict(zip(forces, point, strict=True))
@@ -121,11 +118,8 @@ def _holds(place: Place, wider: Place) -> bool:
 
 def _bends(subject: FormulaSubject, place: Place, here: sp.Expr) -> bool:
     """Whether the slopes forward and backward along some line are shown to have a sum other than 0."""
-    for way in _ways(len(place)):
-        slopes = [_slope(subject.problem.g, place, [side * w for w in way], here) for side in (1, -1)]
-        if slopes[0] is not None and slopes[1] is not None and _decided(subject, sp.expand(slopes[0] + slopes[1]) ** 2, Sense.POSITIVE):
-            return True
-    return False
+    slopes = ([_slope(subject.problem.g, place, [side * w for w in way], here) for side in (1, -1)] for way in _ways(len(place)))
+    return any(None not in pair and _decided(subject, sp.expand(sp.Add(*pair)) ** 2, Sense.POSITIVE) for pair in slopes)
 
 
 def _ways(n: int) -> list[list[int]]:
