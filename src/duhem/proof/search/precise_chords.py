@@ -197,7 +197,7 @@ def _beside(value: _Level, start: Sequence[Any], other: Sequence[int]) -> Iterat
         for _ in range(6):
             back += value(at(share, back)) / fall
         height = value(at(share / 2, back / 2))
-        if context.isfinite(back) and 0 < back < 0.5 and height > 0:
+        if context.isfinite(back) and 0 < back < 0.5 and 0 < height < context.inf:
             pull = height / fall / 4
             yield _rounded(at(0, pull), pull * size / 1000), _rounded(at(share, back + pull), pull * size / 1000)
 
