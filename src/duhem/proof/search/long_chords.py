@@ -23,10 +23,9 @@ from duhem.expression import Norm
 from duhem.expression.number import fraction, rational
 from duhem.expression.numpy_ import compiled
 from duhem.expression.rays import Rays, first_exit
-from duhem.law.domain import REAL
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.facts.subject import Point, Values
-from duhem.proof.search.boundary_points import Chord, lowest
+from duhem.proof.search.boundary_points import Chord, lowest, ranges
 from duhem.proof.search.edges import affine, exact_rays, largest_loads
 from duhem.proof.search.margins import WALK, least_margin
 
@@ -75,20 +74,18 @@ def chords_downhill(subject: FormulaSubject) -> Iterator[Chord]:
 def _in_choice(subject: FormulaSubject, parameters: Values, seen: list[int], ways: Array | None = None) -> Iterator[Chord]:
     forces = subject.simple.forces
     run = compiled(subject.formula_at(parameters), forces)
-
-    ranges = [subject.law.domain.get(x.name, REAL) for x in forces]
-    low = np.array([-np.inf if own.low is None else float(own.low) for own in ranges])
-    high = np.array([np.inf if own.high is None else float(own.high) for own in ranges])
+    low, high = ranges(subject.law, [x.name for x in forces])
 
     def value(points: Array) -> Array:
         g = run(*np.moveaxis(points, -1, 0))
         return np.maximum(g, np.max(np.maximum(low - points, points - high), axis=-1)) if subject.law.domain else g
 
-    centre = _centre(value, len(forces))
+    zero = np.zeros(len(forces))
+    # a point of the boundary is pulled towards one inside K
+    inner = zero if value(zero) < 0 else lowest(value, len(forces), np.random.default_rng(3), (-3, 3))
+    centre = zero if value(zero) <= 0 else inner
     if centre is None:
         return
-    # a point of the boundary is pulled towards one inside K
-    inner = None if value(centre) < 0 else lowest(value, len(forces), np.random.default_rng(3), (-3, 3))
     inner = centre if inner is None else inner
     for p, q, p_anchor, q_anchor in (
         _suspects(value, centre, inner, seen) if ways is None else _along_rays(value, centre, inner, ways, seen)
@@ -98,14 +95,6 @@ def _in_choice(subject: FormulaSubject, parameters: Values, seen: list[int], way
             pulled = (x + pull * (a - x) for x, a in ((p, p_anchor), (q, q_anchor)))
             one, two = (tuple(Fraction(round(float(c) * 10**digits), 10**digits) for c in x) for x in pulled)
             yield parameters, one, two
-
-
-def _centre(value: Any, d: int) -> Array | None:
-    """A point of K: the origin, or the lowest that is found."""
-    origin = np.zeros(d)
-    if value(origin) <= 0:
-        return origin
-    return lowest(value, d, np.random.default_rng(3), (-3, 3))
 
 
 def _suspects(value: Any, centre: Array, inner: Array, seen: list[int]) -> Iterator[tuple[Array, Array, Array, Array]]:
@@ -240,8 +229,6 @@ class _Diameter:
 def chords_from_far_points(subject: FormulaSubject, most: int = 4) -> Iterator[Chord]:
     """At so many choices of the parameters; none where g is no maximum."""
     forces = subject.simple.forces
-    if not isinstance(subject.simple.g, sp.Max):
-        return
     for parameters in subject.choices(most):
         g = subject.formula_at(parameters)
         for diameter in _diameters(g, forces):

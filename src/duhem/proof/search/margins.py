@@ -18,12 +18,11 @@ from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.facts.subject import Values, plain_choices
 from duhem.proof.search.boundary_points import BoundaryScout, scouts
 
-__all__ = ["WALK", "Margin", "highest_at_zero", "least_margin"]
+__all__ = ["WALK", "Margin", "failures", "highest_at_zero", "least_margin"]
 
 WALK = 12  # moves
-_CHOICES, _STARTS, _STEP = 6, 3, 1e-3
+_CHOICES, _STARTS, _STEP, _ROUNDING = 6, 3, 1e-3, 1e-7  # of cosines that are found by differences
 _WIDTHS, _RAYS, _MOVE, _CLEAR = 4, 48, 5_000, 0.01
-_MEASURES: Mapping[str, tuple[str, Callable[[BoundaryScout], Any]]]
 
 
 class Margin(NamedTuple):
@@ -73,6 +72,11 @@ def _least(measure: Callable[[BoundaryScout], Any], scout: BoundaryScout) -> tup
     return float(values.min()), int(values.argmin())
 
 
+def failures(claim: str, scout: BoundaryScout) -> int:
+    """At how many boundary points that a scout found the measure of the claim seems to be < 0."""
+    return int(np.sum(_MEASURES[claim][1](scout) < -_ROUNDING))
+
+
 def highest_at_zero(subject: FormulaSubject, most: int = 2) -> list[Values]:
     """The plain choices of the parameters, ends of their ranges among them, at which g is greatest at zero force, in floats."""
     free = subject.simple.parameters
@@ -103,7 +107,7 @@ def _curvature(scout: BoundaryScout) -> Any:
     return least
 
 
-_MEASURES = {
+_MEASURES: Mapping[str, tuple[str, Callable[[BoundaryScout], Any]]] = {
     "convexity": ("curvature of the boundary times its distance", _curvature),
     "normality": ("slip . way from another point of K, over the sizes of both", lambda scout: -scout.leaning()),
     "dissipation": ("force . slip over the sizes of both", lambda scout: scout.power()),

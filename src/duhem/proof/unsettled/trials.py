@@ -118,10 +118,8 @@ class _Asked:
         if claim == "duality":  # which needs evidence
             return self.decide is not None and self.decided(law) is Verdict.PROVED
         answers = self.tried.answers.setdefault(key, {})
-        known = {name for name, holds in answers.items() if holds}.union(
-            self.settled if law.get("g") == self.g else self.settled & {"origin"}
-        )
-        known |= {name for name in _BEFORE if self.tried.verdicts.get((name, key)) is Verdict.PROVED}
+        known = {name for name in _BEFORE if answers.get(name) or self.tried.verdicts.get((name, key)) is Verdict.PROVED}
+        known |= self.settled if law.get("g") == self.g else self.settled & {"origin"}
         if claim in known or claim in answers or self.steps < 0 or self.tried.steps <= self.kept:
             return claim in known
         with within(_A_TRIAL) as purse, suppress(*UNREADABLE, TooDearError):
@@ -260,9 +258,8 @@ def _inhabits(choice: Choice, law: Text) -> bool:
 
 def _changed(law: Text, g: str | None, fixed: Choice) -> Text:
     """The law with another g, and fixed parameters."""
-    return _with(
-        law if g is None else {**{key: own for key, own in law.items() if key != "surfaces"}, "flow": law.get("flow"), "g": g}, fixed
-    )
+    of_one = {key: own for key, own in {"flow": None, **law, "g": g}.items() if key != "surfaces"}
+    return _with(law if g is None else of_one, fixed)
 
 
 def _with(law: Text, fixed: Choice) -> Text:
