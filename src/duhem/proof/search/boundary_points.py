@@ -5,7 +5,7 @@ What a search hands on are exact parameter values and exact points, worth an exa
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from fractions import Fraction
 from functools import cached_property, partial
 from typing import Any, NamedTuple
@@ -17,11 +17,10 @@ from numpy.typing import NDArray
 from duhem.expression.numpy_ import compiled
 from duhem.expression.rays import Rays
 from duhem.law.domain import REAL
-from duhem.law.formula_law import Criterion
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.facts.subject import Point, Values, rationals
 
-__all__ = ["BoundaryScout", "Chord", "Exit", "lowest", "ranges", "scout", "scouts"]
+__all__ = ["BoundaryScout", "Chord", "Exit", "lowest", "scout", "scouts"]
 
 _DIRECTIONS = 720
 _BITS = 50  # finer than any fraction made of them; the ends of witnesses in print depend on them
@@ -80,7 +79,7 @@ class BoundaryScout:
         if self.centre is None:
             return directions[:0], np.zeros(0), np.zeros(0)
         last, first = Rays(self.value, self.centre, directions).left(_RADII, _BITS)
-        low, high = ranges(self.subject.law, [x.name for x in self.forces])
+        low, high = np.array([self.subject.law.domain.get(x.name, REAL).ends for x in self.forces]).T
         at = self.centre + last[:, None] * directions
         keep = (last >= _RADII[0]) & (last < first) & ((low <= at) & (at <= high)).all(axis=1)
         return directions[keep], last[keep], first[keep]
@@ -231,12 +230,6 @@ def scout(subject: FormulaSubject, parameters: Values) -> BoundaryScout:
         subject.known[key] = BoundaryScout(subject, parameters)
     found: BoundaryScout = subject.known[key]
     return found
-
-
-def ranges(law: Criterion, forces: Sequence[str]) -> NDArray[np.float64]:
-    """The least and the greatest value (2, d) that each force may have; infinite where there is none."""
-    every = [law.domain.get(name, REAL) for name in forces]
-    return np.array([[-np.inf if x.low is None else float(x.low), np.inf if x.high is None else float(x.high)] for x in every]).T
 
 
 def lowest(value: Callable[[Any], Any], d: int, rng: np.random.Generator, sizes: tuple[float, float]) -> NDArray[np.float64] | None:

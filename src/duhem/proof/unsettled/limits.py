@@ -15,6 +15,7 @@ import sympy as sp
 from numpy.typing import NDArray
 
 from duhem.expression.numpy_ import Program, compiled
+from duhem.law.domain import REAL
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.facts.subject import Values
 from duhem.proof.kernel.constant_value import exact_value
@@ -24,7 +25,7 @@ from duhem.proof.kernel.domain import NEGATIVE, StatedDomain
 from duhem.proof.kernel.identity import multiplied_out
 from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.kernel.term import Term, factors, number, product_of, sum_of
-from duhem.proof.search.boundary_points import ranges, scouts
+from duhem.proof.search.boundary_points import scouts
 from duhem.proof.unsettled.term_text import Names, in_text
 
 __all__ = ["keeps_k", "same_points", "short", "split", "times", "with_values"]
@@ -176,7 +177,7 @@ def _both(subject: FormulaSubject, g: str) -> tuple[Program, Program, NDArray[np
     """g as it is and as it is changed, and the ends of the ranges of the forces."""
     law = subject.law
     old, new = (compiled(x.g, law.symbols().values()) for x in (law, replace(law, g=g, written="", surfaces=())))
-    low, high = ranges(law, law.forces)
+    low, high = np.array([law.domain.get(name, REAL).ends for name in law.forces]).T
     return old, new, low, high
 
 

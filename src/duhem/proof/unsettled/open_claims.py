@@ -219,9 +219,7 @@ def _has_k(asked: _OpenClaim, values: Mapping[str, Any]) -> bool:
     if known or not isinstance(law, Criterion) or law.forces_of_rates or law.viscous:
         return True
     with suppress(InputError):
-        return any(
-            len(found.boundary) for found in scouts(FormulaSubject(law.fix({name: str(value) for name, value in values.items()})), 1)
-        )
+        return any(len(found.boundary) for found in scouts(FormulaSubject(law.fix(values)), 1))
     return False
 
 
@@ -257,9 +255,7 @@ def _read(law: Criterion, text: Mapping[str, Any]) -> Criterion:
 def _domain(entry: Mapping[str, Any]) -> Domain:
     if "value" in entry:
         return Domain.fixed(entry["value"])
-    if entry.get("positive"):
-        return replace(Domain.between(None, entry.get("max")), positive=True)
-    return Domain.between(entry.get("min"), entry.get("max"))
+    return replace(Domain.between(entry.get("min"), entry.get("max")), positive=entry.get("positive", False))
 
 
 def _free(law: Law) -> list[str]:
