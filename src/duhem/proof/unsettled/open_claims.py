@@ -183,7 +183,7 @@ def _with_values(asked: _OpenClaim, names: Names) -> Iterator[Form]:
 
 
 def _same_k(asked: _OpenClaim, names: Names) -> Iterator[Form]:
-    """Forms of g in which other parts have the same K."""
+    """Forms of g with another formula for one part, and with which K seems to be as it was."""
     subject, law = asked.subject, asked.law
     associated = isinstance(law, Criterion) and not law.viscous and all(surface.flow is None for surface in law.surfaces)
     with suppress(*UNREADABLE, TooDearError), within(_STEPS):

@@ -65,7 +65,7 @@ def that_help(
     """What to do, so that the claim is settled: one action a kind, each seen to help.
 
     ``choices`` gives values of the free parameters at which it is tried, and of plain ones those at which K is not empty, for of an
-    empty K much is proved; ``forms`` have the K of g; at those tried ``first`` the claim may fail.
+    empty K much is proved.  ``forms`` are other forms of g with the same K.  At the values that are tried ``first`` the claim may fail.
     """
     asked = _Asked(claim, law, settled, decide, tried or Attempts())
     refuted = [_said("", choice, Verdict.REFUTED) for choice in first if asked.decided(_with(law, choice)) is Verdict.REFUTED]
