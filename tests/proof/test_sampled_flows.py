@@ -9,6 +9,7 @@ from duhem.law.domain import Domain
 from duhem.law.formula_law import YieldSurface
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.search.boundary_points import scouts
+from duhem.proof.search.margins import failures
 from tests.long import long_but
 
 
@@ -62,7 +63,7 @@ def test_right_flows_lean_nowhere() -> None:
         of_flow("max(abs(a), abs(b)) - 1", "where(abs(a) >= abs(b), a, 0)", "where(abs(a) >= abs(b), 0, b)"),
     ):
         (scout,) = scouts(FormulaSubject(law), 1)
-        assert scout.found > 300 and scout.seem_to_lean_inward() == 0 == scout.seem_to_dissipate_less_than_0()
+        assert scout.found > 300 and failures("normality", scout) == 0 == failures("dissipation", scout)
 
 
 def test_points_out_of_the_ranges_are_none() -> None:

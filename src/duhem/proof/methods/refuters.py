@@ -375,19 +375,18 @@ def dissipation_at_points(subject: FormulaSubject, choices: int = 12) -> Evidenc
     """Refute by a boundary point where force . flow < 0, at so many choices of the parameters."""
     from duhem.proof.search.boundary_points import scouts
 
-    return _power(
-        subject, (way for s in scouts(subject, choices) for way in (s.towards_zero_force(), s.least_power(5), s.entered_again(3)))
-    )
+    ways = ((s.towards_zero_force(), s.least_power(5), s.entered_again(3)) for s in scouts(subject, choices))
+    return _power(subject, (exit for three in ways for way in three for exit in way))
 
 
-def _power(subject: FormulaSubject, ways: Iterable[Iterator[Exit]]) -> Evidence | None:
+def _power(subject: FormulaSubject, exits: Iterable[Exit]) -> Evidence | None:
     """Refute by the first crossing of the boundary where force . flow < 0 is certain."""
 
     def power(point: EnclosedPoint) -> sp.Expr | None:
         flow = enclosed_flow(subject, point)
         return None if flow is None else subject.power(flow)
 
-    tried = (violation(subject, *exit, power, "force . flow", _DISSIPATION) for way in ways for exit in way)
+    tried = (violation(subject, *exit, power, "force . flow", _DISSIPATION) for exit in exits)
     found = (with_variables(subject, witness) for witness in tried if witness is not None)
     return Evidence.refuted_by(found, "witness-power", _of_k(subject, "force . flow is negative on the boundary"))
 
@@ -462,7 +461,7 @@ def normality_by_sampling(subject: FormulaSubject) -> Evidence | None:
     """Say where the slip was looked at in vain; for an associated law, say it of the chords, because normality is convexity there."""
     if subject.problem.associated:
         return convexity_by_sampling(subject)
-    return _flow(subject, "the slip leans towards another point of K", lambda scout: scout.seem_to_lean_inward())
+    return _flow(subject, "normality", "the slip leans towards another point of K")
 
 
 def dissipation_by_sampling(subject: FormulaSubject) -> Evidence | None:
@@ -473,17 +472,18 @@ def dissipation_by_sampling(subject: FormulaSubject) -> Evidence | None:
     from duhem.proof.search.margins import WALK, least_margin
 
     found = least_margin("dissipation", subject, WALK)
-    refuted = None if found is None else _power(subject, [found.scout.least_power(5)])
-    told = None if not subject.onto else _flow(subject, "the power is negative", lambda scout: scout.seem_to_dissipate_less_than_0())
-    return refuted or told
+    if found is not None and (refuted := _power(subject, found.scout.least_power(5))) is not None:
+        return refuted
+    return _flow(subject, "dissipation", "the power is negative") if subject.onto else None
 
 
-def _flow(subject: FormulaSubject, what: str, seem: Callable[[BoundaryScout], int]) -> Evidence | None:
+def _flow(subject: FormulaSubject, claim: str, what: str) -> Evidence | None:
     from duhem.proof.search.boundary_points import scouts
+    from duhem.proof.search.margins import failures
 
     looked = [scout for scout in scouts(subject, 12) if scout.found > 0]
     for scout in looked:
-        if count := seem(scout):
+        if count := failures(claim, scout):
             detail = f"in floats {what} at {count} of {scout.found} boundary points, but no exact counterexample confirms this"
             return Evidence(Verdict.UNDECIDED, "sampling", detail)
     return _tested("no violation at", [scout.found for scout in looked])

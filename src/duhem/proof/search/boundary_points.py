@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from duhem.expression.numpy_ import compiled
 from duhem.expression.rays import Rays
+from duhem.law.domain import REAL
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.facts.subject import Point, Values, rationals
 
@@ -23,7 +24,7 @@ __all__ = ["BoundaryScout", "Chord", "Exit", "lowest", "scout", "scouts"]
 
 _DIRECTIONS = 720
 _BITS = 50  # finer than any fraction made of them; the ends of witnesses in print depend on them
-_TOUCHING, _ROUNDING, _NEAR = 1e-9, 1e-7, 1e-6  # heights of faces that meet; cosines, by differences too; a point itself
+_TOUCHING, _NEAR = 1e-9, 1e-6  # heights of faces that meet; a point itself
 _RADII = 10.0 ** np.linspace(-5, 5, 61)
 _DRAWN, _DEEPENED, _AROUND = 4000, 80, 64
 _DEEP = 3  # how many rounds are worth while inside
@@ -49,11 +50,9 @@ class BoundaryScout:
         self._g = compiled(subject.formula_at(parameters), self.forces)
         d = len(self.forces)
         rng = np.random.default_rng(5)
-        if directions is None and d == 2:
+        if directions is None:
             turn = 2 * np.pi * np.arange(_DIRECTIONS) / _DIRECTIONS
-            directions = np.stack([np.cos(turn), np.sin(turn)], axis=1)
-        elif directions is None:
-            directions = rng.standard_normal((_DIRECTIONS, d))
+            directions = np.stack([np.cos(turn), np.sin(turn)], axis=1) if d == 2 else rng.standard_normal((_DIRECTIONS, d))
         rays = np.round(directions, 6)
         # On the boundary 0 is no centre: it may be an apex, and rays from it run along the faces that meet there.
         self.centre = np.zeros(d) if self.value(np.zeros(d)) < 0 else self._lowest(rng, d)
@@ -80,12 +79,9 @@ class BoundaryScout:
         if self.centre is None:
             return directions[:0], np.zeros(0), np.zeros(0)
         last, first = Rays(self.value, self.centre, directions).left(_RADII, _BITS)
-        keep = (last >= _RADII[0]) & (last < first)
-        for i, x in enumerate(self.forces):
-            if (span := self.subject.law.domain.get(x.name)) is not None:
-                at = self.centre[i] + last * directions[:, i]
-                keep &= (-np.inf if span.low is None else float(span.low)) <= at
-                keep &= at <= (np.inf if span.high is None else float(span.high))
+        low, high = np.array([self.subject.law.domain.get(x.name, REAL).ends for x in self.forces]).T
+        at = self.centre + last[:, None] * directions
+        keep = (last >= _RADII[0]) & (last < first) & ((low <= at) & (at <= high)).all(axis=1)
         return directions[keep], last[keep], first[keep]
 
     def _along(self, radii: Any) -> Any:
@@ -207,15 +203,6 @@ class BoundaryScout:
     @property
     def _targets(self) -> Any:
         return self.boundary if self.centre is None else np.vstack([self.boundary, self.centre])
-
-    def seem_to_dissipate_less_than_0(self) -> int:
-        """At how many boundary points."""
-        return int(np.sum(self.power() < -_ROUNDING))
-
-    def seem_to_lean_inward(self) -> int:
-        """From how many boundary points a slip goes towards another."""
-        place, _ = self.unit_flow
-        return len(np.unique(place[np.max(self._reach[1], axis=1) > _ROUNDING])) if len(self.boundary) > 1 else 0
 
     def _exit(self, k: int) -> Exit:
         """Exact points on the ray, a little before and a little after the crossing."""

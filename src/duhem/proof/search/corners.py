@@ -13,7 +13,6 @@ import math
 import random
 from collections.abc import Iterator, Sequence
 from fractions import Fraction
-from functools import partial
 from itertools import chain, islice, product
 from typing import Any
 
@@ -25,7 +24,7 @@ from duhem.expression.balls import ball
 from duhem.expression.branches import Seam, jacobian, seams
 from duhem.expression.number import fraction, rational
 from duhem.expression.numpy_ import compiled
-from duhem.expression.rays import Rays
+from duhem.expression.rays import Rays, exits
 from duhem.expression.vocabulary import KINKS
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.facts.plane_section import PlaneSection, local_pieces
@@ -324,17 +323,12 @@ def _on_edges(g: sp.Expr, forces: Sequence[sp.Symbol], pointed: Sequence[tuple[i
         along = defined_at(g, {x: c * r for x, c in zip(forces, edge, strict=True)})
         if along is None:
             continue
-        level = compiled(along, (r,))
-        last, first = Rays(partial(_on_line, level), np.zeros(1), np.ones((1, 1))).left(_ALONG)
+        last, first = exits(along, (r,), np.ones((1, 1)), _ALONG, {})
         far = Fraction(float(last[0])).limit_denominator(_LARGEST) if 0 < last[0] < first[0] else Fraction(0)
         place = tuple(far * c for c in edge)
         value = defined_at(g, rationals(dict(zip(forces, place, strict=True)))) if far else None
         if value is not None and value.is_zero:
             yield place
-
-
-def _on_line(level: Any, points: Any) -> Any:
-    return level(points[..., 0])
 
 
 def _ways(dimension: int) -> list[Point]:

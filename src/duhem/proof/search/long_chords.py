@@ -12,6 +12,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from itertools import chain
 from math import isqrt
 from typing import Any
 
@@ -73,55 +74,41 @@ def chords_downhill(subject: FormulaSubject) -> Iterator[Chord]:
 
 
 def _in_choice(subject: FormulaSubject, parameters: Values, seen: list[int], ways: Array | None = None) -> Iterator[Chord]:
+    """Chords of points of K whose midpoint seems outside, each end pulled towards a point further inside, as far as it is rounded.
+
+    Along rays in plane sections, or in the given ``ways`` (M, d); ``seen`` takes up how many rays left K.
+    """
     forces = subject.simple.forces
     run = compiled(subject.formula_at(parameters), forces)
-
-    ranges = [subject.law.domain.get(x.name, REAL) for x in forces]
-    low = np.array([-np.inf if own.low is None else float(own.low) for own in ranges])
-    high = np.array([np.inf if own.high is None else float(own.high) for own in ranges])
+    low, high = np.array([subject.law.domain.get(x.name, REAL).ends for x in forces]).T
 
     def value(points: Array) -> Array:
         g = run(*np.moveaxis(points, -1, 0))
         return np.maximum(g, np.max(np.maximum(low - points, points - high), axis=-1)) if subject.law.domain else g
 
-    centre = _centre(value, len(forces))
+    zero = np.zeros(len(forces))
+    # a point of the boundary is pulled towards one inside K
+    inner = zero if value(zero) < 0 else lowest(value, len(forces), np.random.default_rng(3), (-3, 3))
+    centre = zero if value(zero) <= 0 else inner
     if centre is None:
         return
-    # a point of the boundary is pulled towards one inside K
-    inner = None if value(centre) < 0 else lowest(value, len(forces), np.random.default_rng(3), (-3, 3))
     inner = centre if inner is None else inner
-    for p, q, p_anchor, q_anchor in (
-        _suspects(value, centre, inner, seen) if ways is None else _along_rays(value, centre, inner, ways, seen)
-    ):
-        for digits in (1, 2, 3, 4, 6, 9, 12, 16):  # the fewest decimals that still show it, for those who check by hand
-            pull = 10.0**-digits
-            pulled = (x + pull * (a - x) for x, a in ((p, p_anchor), (q, q_anchor)))
-            one, two = (tuple(Fraction(round(float(c) * 10**digits), 10**digits) for c in x) for x in pulled)
-            yield parameters, one, two
+    for section, directions in enumerate(_planes(len(forces)) if ways is None else [ways]):
+        opposite = section == 0 and ways is None and len(forces) > 1 and value(zero) > 0.0
+        pairs = chain(_through_zero(value, directions) if opposite else (), _along_rays(value, centre, inner, directions, seen))
+        for p, q, *anchors in pairs:
+            for digits in (1, 2, 3, 4, 6, 9, 12, 16):  # the fewest decimals that still show it, for those who check by hand
+                pulled = (x + 10.0**-digits * (a - x) for x, a in zip((p, q), anchors, strict=True))
+                one, two = (tuple(Fraction(round(float(c) * 10**digits), 10**digits) for c in x) for x in pulled)
+                yield parameters, one, two
 
 
-def _centre(value: Any, d: int) -> Array | None:
-    """A point of K: the origin, or the lowest that is found."""
-    origin = np.zeros(d)
-    if value(origin) <= 0:
-        return origin
-    return lowest(value, d, np.random.default_rng(3), (-3, 3))
-
-
-def _suspects(value: Any, centre: Array, inner: Array, seen: list[int]) -> Iterator[tuple[Array, Array, Array, Array]]:
-    """Pairs of points of K whose midpoint seems outside, each with a point further inside to be pulled towards."""
-    d = len(centre)
-    rng = np.random.default_rng(4)
+def _planes(d: int) -> Iterator[Array]:
+    """Directions all around in plane sections, the first in the first two forces; of one force both."""
+    turn, rng = 2 * np.pi * np.arange(_ANGLES) / _ANGLES, np.random.default_rng(4)
     for section in range(_sections(d)):
-        if d == 1:
-            directions = np.array([[1.0], [-1.0]])
-        else:
-            turn = 2 * np.pi * np.arange(_ANGLES) / _ANGLES
-            frame = np.eye(d)[:2] if section == 0 else np.linalg.qr(rng.standard_normal((d, 2)))[0].T
-            directions = np.outer(np.cos(turn), frame[0]) + np.outer(np.sin(turn), frame[1])
-        if section == 0 and d > 1 and value(np.zeros(d)) > 0.0:
-            yield from _through_zero(value, directions)
-        yield from _along_rays(value, centre, inner, directions, seen)
+        frame = np.eye(d)[:2] if section == 0 else np.linalg.qr(rng.standard_normal((d, 2)))[0].T
+        yield np.outer(np.cos(turn), frame[0]) + np.outer(np.sin(turn), frame[1]) if d > 1 else np.array([[1.0], [-1.0]])
 
 
 def _sections(d: int) -> int:
@@ -138,7 +125,7 @@ def _through_zero(value: Any, directions: Array) -> Iterator[tuple[Array, Array,
 
 
 def _along_rays(value: Any, centre: Array, inner: Array, directions: Array, seen: list[int]) -> Iterator[tuple[Array, Array, Array, Array]]:
-    """``seen`` takes up how many rays left K, and ends are pulled to the ``inner`` point."""
+    """Pairs of points whose midpoint seems outside K, each pair with the points that its ends are pulled towards."""
     rays = Rays(value, centre, directions)
     inside = rays.inside(_RADII)
     last, first = rays.narrowed(*first_exit(inside, _RADII))
@@ -240,8 +227,6 @@ class _Diameter:
 def chords_from_far_points(subject: FormulaSubject, most: int = 4) -> Iterator[Chord]:
     """At so many choices of the parameters; none where g is no maximum."""
     forces = subject.simple.forces
-    if not isinstance(subject.simple.g, sp.Max):
-        return
     for parameters in subject.choices(most):
         g = subject.formula_at(parameters)
         for diameter in _diameters(g, forces):

@@ -1,5 +1,7 @@
 """Where a claim that stays open is closest to fail, in floats: the least margin of boundary points at a few choices of the parameters.
 
+Walks begin at the scouts with the least margins, and go downhill over the parameters and the boundary points together.
+
 Convexity: the curvature of the boundary times the distance from the centre, least over the tangents; 1 on a sphere, 0 where it is flat.
 Dissipation: force . slip over the sizes of both.  Normality: how far a slip of length 1 leans away from every other boundary point.
 """
@@ -18,16 +20,16 @@ from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.facts.subject import Values, plain_choices
 from duhem.proof.search.boundary_points import BoundaryScout, scouts
 
-__all__ = ["WALK", "Margin", "highest_at_zero", "least_margin"]
+__all__ = ["WALK", "Margin", "failures", "highest_at_zero", "least_margin"]
 
 WALK = 12  # moves
-_CHOICES, _STARTS, _STEP = 6, 3, 1e-3
-_WIDTHS, _RAYS, _MOVE, _CLEAR = 4, 48, 5_000, 0.01
-_MEASURES: Mapping[str, tuple[str, Callable[[BoundaryScout], Any]]]
+_CHOICES, _STARTS, _STEP, _ROUNDING = 6, 3, 1e-3, 1e-7  # of cosines that are found by differences
+_WIDTHS, _RAYS = 4, 48  # of moves, each half of the one before; of a move, beside the one on which the margin is least
+_MOVE, _CLEAR = 5_000, 0.01  # steps of a move; a margin that is farther below 0 needs no more search
 
 
 class Margin(NamedTuple):
-    """The least ``value`` of a ``measure``, in floats, at so many-th point of the boundary that a scout found."""
+    """The least ``value`` of a ``measure``, in floats; ``place`` is the number of its point among the boundary points of ``scout``."""
 
     measure: str
     value: float
@@ -36,7 +38,7 @@ class Margin(NamedTuple):
 
 
 def least_margin(claim: str, subject: FormulaSubject, moves: int = 0) -> Margin | None:
-    """Of all that the scouts see, and that as many moves from each meet which go downhill, over parameters and directions together.
+    """The least margin that scouts see.  With ``moves``, walks of so many moves begin where it is least; each move leads downhill.
 
     None where nothing of the claim is measured, or no boundary point is found.
     """
@@ -58,7 +60,7 @@ def least_margin(claim: str, subject: FormulaSubject, moves: int = 0) -> Margin 
                 value, k, here = found, i, scout
         if np.isfinite(value) and (best is None or value < best.value):
             best = Margin(measure, value, here, k)
-            if moves and value < -_CLEAR:
+            if value < -_CLEAR:
                 break
     return best
 
@@ -71,6 +73,11 @@ def _least(measure: Callable[[BoundaryScout], Any], scout: BoundaryScout) -> tup
         values = np.asarray(measure(scout), dtype=float)
     values = np.where(np.isfinite(values), values, np.inf)
     return float(values.min()), int(values.argmin())
+
+
+def failures(claim: str, scout: BoundaryScout) -> int:
+    """At how many boundary points that a scout found the measure of the claim seems to be < 0."""
+    return int(np.sum(_MEASURES[claim][1](scout) < -_ROUNDING))
 
 
 def highest_at_zero(subject: FormulaSubject, most: int = 2) -> list[Values]:
@@ -103,7 +110,7 @@ def _curvature(scout: BoundaryScout) -> Any:
     return least
 
 
-_MEASURES = {
+_MEASURES: Mapping[str, tuple[str, Callable[[BoundaryScout], Any]]] = {
     "convexity": ("curvature of the boundary times its distance", _curvature),
     "normality": ("slip . way from another point of K, over the sizes of both", lambda scout: -scout.leaning()),
     "dissipation": ("force . slip over the sizes of both", lambda scout: scout.power()),

@@ -93,17 +93,8 @@ def _moved(x: Sequence[Any], *steps: tuple[Any, Sequence[Any]]) -> list[Any]:
 
 def _tangents(context: Any, normal: Sequence[Any]) -> list[list[Any]]:
     """Unit vectors across the normal and each other."""
-    if len(normal) == 2:
-        return [[-normal[1], normal[0]]]
-    found = [list(normal)]
-    for k in sorted(range(len(normal)), key=lambda i: abs(normal[i])):
-        left = [context.mpf(i == k) for i in range(len(normal))]
-        for v in found:
-            share = context.fdot(left, v)
-            left = [c - share * d for c, d in zip(left, v, strict=True)]
-        if context.norm(left) > 1e-6:
-            found.append(_unit(left, context))
-    return found[1:]
+    across = context.qr(context.matrix(normal))[0]
+    return [[across[i, k] for i in range(len(normal))] for k in range(1, len(normal))]
 
 
 def _least(context: Any, frame: Sequence[Sequence[Any]], bend: Callable[[Sequence[Any]], Any]) -> list[Any] | None:

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import suppress
-from itertools import islice
 
 from duhem.proof.kernel.curvature import within_ranges
 from duhem.proof.kernel.domain import NEGATIVE, POSITIVE, StatedDomain, gap
@@ -20,16 +19,11 @@ from duhem.proof.unsettled.limits import short, split, times
 __all__ = ["other_forms"]
 
 _ZERO, _ONE = number(0), number(1)
-_MOST = 12  # forms of one law
 
 
 def other_forms(read: StatedLaw) -> Iterator[tuple[Term, Term, bool]]:
     """A part of g, what to write for it, and whether K is known to stay the same then; else it is to be looked at."""
-    domain = within_ranges(read)
-    yield from islice(_forms(read.g, domain), _MOST)
-
-
-def _forms(g: Term, domain: StatedDomain) -> Iterator[tuple[Term, Term, bool]]:
+    g, domain = read.g, within_ranges(read)
     for part in g.args if g.op == "max" else (g,):
         with suppress(NotWritten):
             yield from ((part, new, True) for new in _root_alone(part, domain))

@@ -15,7 +15,7 @@ import sympy as sp
 from numpy.typing import NDArray
 
 from duhem.expression.numpy_ import Program, compiled
-from duhem.law.domain import Domain
+from duhem.law.domain import REAL
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.facts.subject import Values
 from duhem.proof.kernel.constant_value import exact_value
@@ -100,7 +100,8 @@ def times(term: Term, size: Term, power: Term, domain: StatedDomain) -> Term:
         return Term("**", (times(term.args[0], size, _ONE, domain), power))
     rest, own = split(term, size, domain)
     for x in rest:
-        if x != term and x.op in ("+", "**") and any(_divides(split(y, size, domain)[1]) for y in x.parts()):
+        divided = (split(y, size, domain)[1] for y in x.parts() if x != term and x.op in ("+", "**"))
+        if any(e.op == "number" and e.value < 0 for e in divided):
             outer = [] if own == _ZERO else [_raised(size, own)]
             return product_of(*(times(y, size, power, domain) if y is x else y for y in rest), *outer)
     left = short(multiplied_out(sum_of(own, power), domain))
@@ -109,10 +110,6 @@ def times(term: Term, size: Term, power: Term, domain: StatedDomain) -> Term:
 
 def _raised(size: Term, power: Term) -> Term:
     return size if power == _ONE else Term("**", (size, power))
-
-
-def _divides(power: Term) -> bool:
-    return power.op == "number" and power.value < 0
 
 
 def split(term: Term, size: Term, domain: StatedDomain) -> tuple[list[Term], Term]:
@@ -180,8 +177,7 @@ def _both(subject: FormulaSubject, g: str) -> tuple[Program, Program, NDArray[np
     """g as it is and as it is changed, and the ends of the ranges of the forces."""
     law = subject.law
     old, new = (compiled(x.g, law.symbols().values()) for x in (law, replace(law, g=g, written="", surfaces=())))
-    ranges = [law.domain.get(f, Domain()) for f in law.forces]
-    low, high = np.array([[-np.inf if x.low is None else float(x.low), np.inf if x.high is None else float(x.high)] for x in ranges]).T
+    low, high = np.array([law.domain.get(name, REAL).ends for name in law.forces]).T
     return old, new, low, high
 
 

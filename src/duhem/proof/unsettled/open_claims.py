@@ -11,7 +11,7 @@ from contextlib import suppress
 from dataclasses import replace
 from fractions import Fraction
 from functools import partial
-from itertools import chain
+from itertools import chain, islice
 from typing import Any, NamedTuple
 
 from duhem.errors import InputError
@@ -71,7 +71,7 @@ _OF_G = ("origin", "convexity", "smoothness", "duality")  # claims about g alone
 _OF_ANY_K = ("origin", "state_laws", "thermal")  # of an empty K they are not proved, or they are about something else
 _STEPS = 3_000_000
 DecideLaw = Callable[[Criterion, str, Budget], Verdict]  # the verdict on a claim of a law
-_CHOICES = 6  # of parameters
+_CHOICES, _MOST_FORMS = 6, 12  # of parameters; looked at of one law
 _LONGEST = 240  # letters of a part that is told
 _DIGITS = 6
 _NOISE = 1e-4  # of margins in floats, where slopes may be steep
@@ -183,12 +183,12 @@ def _with_values(asked: _OpenClaim, names: Names) -> Iterator[Form]:
 
 
 def _same_k(asked: _OpenClaim, names: Names) -> Iterator[Form]:
-    """Forms of g in which other parts have the same K."""
+    """Forms of g with another formula for one part, and with which K seems to be as it was."""
     subject, law = asked.subject, asked.law
     associated = isinstance(law, Criterion) and not law.viscous and all(surface.flow is None for surface in law.surfaces)
     with suppress(*UNREADABLE, TooDearError), within(_STEPS):
         if associated and isinstance(subject, FormulaSubject) and isinstance(read := StatedLaw.read(asked.text), StatedLaw):
-            for part, new, known in other_forms(read):
+            for part, new, known in islice(other_forms(read), _MOST_FORMS):
                 g = in_text(read.g.put({part: new}), {})
                 told = f"write {in_text(new, names)} for {in_text(part, names)}"
                 if known:
@@ -219,7 +219,7 @@ def _has_k(asked: _OpenClaim, values: Mapping[str, Any]) -> bool:
     if known or not isinstance(law, Criterion) or law.forces_of_rates or law.viscous:
         return True
     with suppress(InputError):
-        return any(len(found.boundary) for found in scouts(FormulaSubject(law.fix(_text(values))), 1))
+        return any(len(found.boundary) for found in scouts(FormulaSubject(law.fix(values)), 1))
     return False
 
 
@@ -255,13 +255,7 @@ def _read(law: Criterion, text: Mapping[str, Any]) -> Criterion:
 def _domain(entry: Mapping[str, Any]) -> Domain:
     if "value" in entry:
         return Domain.fixed(entry["value"])
-    if entry.get("positive"):
-        return replace(Domain.between(None, entry.get("max")), positive=True)
-    return Domain.between(entry.get("min"), entry.get("max"))
-
-
-def _text(values: Mapping[str, Any]) -> dict[str, str]:
-    return {name: str(value) for name, value in values.items()}
+    return replace(Domain.between(entry.get("min"), entry.get("max")), positive=entry.get("positive", False))
 
 
 def _free(law: Law) -> list[str]:
@@ -271,8 +265,9 @@ def _free(law: Law) -> list[str]:
 def _closest(asked: _OpenClaim) -> tuple[Mapping[str, str], str | None, float | None]:
     """Parameters, forces and pressure of the least margin, what is measured, and the margin."""
     subject = asked.subject
-    of_k = isinstance(subject, FormulaSubject) and not isinstance(subject, RateSubject) and not subject.of.viscous
-    if not isinstance(subject, FormulaSubject) or not of_k or (found := least_margin(asked.claim, subject)) is None:
+    if not isinstance(subject, FormulaSubject) or isinstance(subject, RateSubject) or subject.of.viscous:
+        return {}, None, None  # there is no K
+    if (found := least_margin(asked.claim, subject)) is None:
         return {}, None, None
     place = subject.named(subject.values_at(found.scout.parameters, tuple(Fraction(float(x)) for x in found.scout.boundary[found.place])))
     margin = float(f"{found.value:.3g}") if abs(found.value) > _NOISE else 0.0

@@ -65,7 +65,7 @@ def that_help(
     """What to do, so that the claim is settled: one action a kind, each seen to help.
 
     ``choices`` gives values of the free parameters at which it is tried, and of plain ones those at which K is not empty, for of an
-    empty K much is proved; ``forms`` have the K of g; at those tried ``first`` the claim may fail.
+    empty K much is proved.  ``forms`` are other forms of g with the same K.  At the values that are tried ``first`` the claim may fail.
     """
     asked = _Asked(claim, law, settled, decide, tried or Attempts())
     refuted = [_said("", choice, Verdict.REFUTED) for choice in first if asked.decided(_with(law, choice)) is Verdict.REFUTED]
@@ -118,10 +118,8 @@ class _Asked:
         if claim == "duality":  # which needs evidence
             return self.decide is not None and self.decided(law) is Verdict.PROVED
         answers = self.tried.answers.setdefault(key, {})
-        known = {name for name, holds in answers.items() if holds}.union(
-            self.settled if law.get("g") == self.g else self.settled & {"origin"}
-        )
-        known |= {name for name in _BEFORE if self.tried.verdicts.get((name, key)) is Verdict.PROVED}
+        known = {name for name in _BEFORE if answers.get(name) or self.tried.verdicts.get((name, key)) is Verdict.PROVED}
+        known |= self.settled if law.get("g") == self.g else self.settled & {"origin"}
         if claim in known or claim in answers or self.steps < 0 or self.tried.steps <= self.kept:
             return claim in known
         with within(_A_TRIAL) as purse, suppress(*UNREADABLE, TooDearError):
@@ -260,9 +258,8 @@ def _inhabits(choice: Choice, law: Text) -> bool:
 
 def _changed(law: Text, g: str | None, fixed: Choice) -> Text:
     """The law with another g, and fixed parameters."""
-    return _with(
-        law if g is None else {**{key: own for key, own in law.items() if key != "surfaces"}, "flow": law.get("flow"), "g": g}, fixed
-    )
+    of_one = {key: own for key, own in {"flow": None, **law, "g": g}.items() if key != "surfaces"}
+    return _with(law if g is None else of_one, fixed)
 
 
 def _with(law: Text, fixed: Choice) -> Text:
