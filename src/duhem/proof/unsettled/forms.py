@@ -26,7 +26,7 @@ def other_forms(read: StatedLaw) -> Iterator[tuple[Term, Term, bool]]:
     g, domain = read.g, within_ranges(read)
     for part in g.args if g.op == "max" else (g,):
         with suppress(NotWritten):
-            yield from ((part, new, True) for new in _root_alone(part, domain))
+            yield from ((part, new, known) for new, known in _root_alone(part, domain))
     for part in g.parts():
         with suppress(NotWritten):
             if part.op == "*":
@@ -35,8 +35,8 @@ def other_forms(read: StatedLaw) -> Iterator[tuple[Term, Term, bool]]:
                 yield from ((part, new, False) for new in _without_condition(part))
 
 
-def _root_alone(part: Term, domain: StatedDomain) -> Iterator[Term]:
-    """Of x - c u^e the form (pos(x)/c)^(1/e) - u."""
+def _root_alone(part: Term, domain: StatedDomain) -> Iterator[tuple[Term, bool]]:
+    """Of x - c u^e the form (pos(x)/c)^(1/e) - u, and whether e < 1 is known: u^1 has a value for u < 0 too."""
     for term in part.args if part.op == "+" else ():
         moving = [f for f in factors(term) if not domain.constant(f)]
         c = minus(product_of(*(f for f in factors(term) if domain.constant(f))))
@@ -48,7 +48,8 @@ def _root_alone(part: Term, domain: StatedDomain) -> Iterator[Term]:
             continue
         size = Term("pos", (x,)) if domain.facts(x).sign & NEGATIVE else x
         power = number(1 / e.value) if e.op == "number" else Term("**", (e, number(-1)))
-        yield sum_of(Term("**", (_times(short(Term("**", (c, number(-1)))), size), power)), minus(u))
+        root = domain.facts(sum_of(_ONE, minus(e))).sign == POSITIVE
+        yield sum_of(Term("**", (_times(short(Term("**", (c, number(-1)))), size), power)), minus(u)), root
 
 
 def _without_brackets(part: Term, domain: StatedDomain) -> Iterator[Term]:

@@ -74,12 +74,11 @@ def that_help(
     if again := again or [told for told, changed in helped if claim != "duality" and asked.decided(changed) is Verdict.PROVED]:
         return [*again, *refuted]
     found = list[str]()
-    kinds = (_signs(law, blocked, choices), _ranges(law, blocked)) if blocked is not None else ()
-    for kind in (*kinds, None):
+    for kind in (_signs(law, blocked, choices), _ranges(law, blocked)) if blocked is not None else ():
         asked.steps = _A_KIND
-        trials = kind or ((told, _changed(law, g, {})) for told, g in (() if found else forms()))
-        if (best := next(((told, changed) for told, changed in trials if asked(changed)), None)) is not None:
+        if (best := next(((told, changed) for told, changed in kind if asked(changed)), None)) is not None:
             found.append(asked.keep(*best))
+    found = found or _with_least_lost(law, ((told, _changed(law, g, {})) for told, g in forms()), asked)
     part = frozenset[str]() if blocked is None else blocked.part.names().union(*(c.names() for c in blocked.signs))
     if found or refuted:
         return [*found, *refuted]
@@ -143,6 +142,20 @@ class _Asked:
 
 def _key(law: Text) -> str:
     return json.dumps(law, sort_keys=True, default=str)
+
+
+def _with_least_lost(law: Text, forms: Iterator[tuple[str, Text]], asked: _Asked) -> list[str]:
+    """The form of g of which the claim is proved, and all that is proved of the law as it is, or most; what is open then is said."""
+    asked.steps, found = _A_KIND, list[tuple[int, str, Text]]()
+    for told, changed in forms:
+        if asked(changed):
+            claims = [name for name in _BEFORE[:3] if name != asked.claim and asked(law, name)]
+            lost = [name for name in claims if not asked(changed, name)]
+            more = f" (for this claim alone: {' and '.join(lost)} would be open)" if lost else ""
+            found.append((len(lost), told + more, changed))
+            if not lost:
+                break
+    return [asked.keep(told, changed) for _, told, changed in sorted(found, key=lambda each: each[0])[:1]]
 
 
 def _signs(law: Text, blocked: Blocked, choices: Choices) -> Iterator[tuple[str, Text]]:
