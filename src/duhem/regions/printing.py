@@ -41,8 +41,7 @@ _WORDS = {"proved": "holds", "refuted": "fails", "open": "open"}
 def as_text(region: FoundRegion, page: Page = PAGE) -> str:
     """The sentence, over what it was asked, a row a cell, and the ends with their polynomials."""
     law, fields = region.criterion, dict(_fields(region))
-    size = max(map(len, fields))
-    asked = [line for name, said in fields.items() for line in page.field(name, said, size)]
+    asked = [line for name, said in fields.items() for line in page.field(name, said, max(map(len, fields)))]
     head = [*page.hanging(f"{law.name}: {law.summary}" if law.summary else law.name), *asked]
     ends = [line for said in _ends(region) for line in page.item(said)]
     return page.report([head, [*page.hanging(f"{region.sentence}.")], page.table([_HEAD, *_rows(region)], "llll", "", rule=True), ends])

@@ -229,7 +229,8 @@ def _farthest(asked: Asked, here: RealRoot, gap: ParameterCell, *, upward: bool)
         else:
             near, beyond = x - way * small, x
     root = None if beyond is None else square_root_near(min(near, beyond), max(near, beyond))
-    return (None if root is None else told(root)) or (RealRoot.of(near), False)
+    short = RealRoot.of(simplest(*sorted((near, near - way * 2**8 * small))))  # nearly as far, in fewer digits
+    return (None if root is None else told(root)) or told(short, (False,)) or (RealRoot.of(near), False)
 
 
 def _width(cell: ParameterCell) -> Fraction:
