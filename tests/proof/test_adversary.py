@@ -13,6 +13,7 @@ import pytest
 import sympy as sp
 
 from duhem import POSITIVE, Criterion, Domain, InputError, Verdict, verify
+from duhem.expression.abbreviations import Stress
 from tests.long import mostly_long
 
 UNIT = Domain.between(0, 1)
@@ -153,6 +154,13 @@ def test_never_a_wrong_verdict(row: Row) -> None:
 def test_a_law_undefined_inside_its_domain_is_bad_input(g: str) -> None:
     with pytest.raises(InputError, match=r"g divides by .*, which is 0 at q"):
         verify(Row("divides", g, "", parameters={"q": UNIT}).law())
+
+
+def test_a_dent_that_is_infinitely_deep_gives_no_chord_and_no_crash() -> None:
+    """The part of the stress that the cosine multiplies is the greatest principal deviator, so that K is convex; nothing proves it."""
+    g = "I1 + sqrt(J2)*cos(acos(where(J2 > 0, cos3theta, 0))/3) - c"
+    law = Criterion("tip", g, {"c": POSITIVE}, pressure=None, stress=Stress("sigma", "principal"))
+    assert verify(law, claims=["convexity"])["convexity"].verdict in (Verdict.TESTED, Verdict.PROVED)
 
 
 def assert_holds(law: Criterion, claim: str, witness: Any) -> None:

@@ -368,6 +368,28 @@ def test_a_choice_may_be_left_out_where_k_stays_the_same(g: str, other: str) -> 
     assert all(inside_both(law(g), text, 5)[1] for text in kept)
 
 
+@pytest.mark.parametrize(
+    ("g", "high", "known"),
+    [("a + b - (1 - a)**k", "9/10", True), ("a + b - (1 - a)**k", 1, False), ("a + b - (1 - a)**k", 2, False),
+     ("abs(b) - (1 - a)**k", 1, True), ("abs(b) - (1 - a)**k", 2, False)],
+)  # fmt: skip
+def test_k_of_a_root_alone_is_known_to_stay_where_no_power_of_less_than_0_has_a_value(g: str, high: str | int, known: bool) -> None:
+    """At a = 3, b = -8 of the first law (1 - a)**1 = -2 has a value, and its root form has none; of the last (1 - a)**2 has one."""
+    read = StatedLaw.read(law_as_text(law(g, {"k": Domain.between("1/2", high)})))
+    ((_, _, found),) = other_forms(read)
+    assert found is known
+
+
+def test_a_form_of_which_other_claims_are_open_says_so() -> None:
+    """Yu's CASM (1998): times p**n it is proved that zero force lies in K, and no longer that K is convex."""
+    parameters = {"m": Domain.between("4/5", "3/2"), "n": Domain.between(1, 5), "r": Domain.between("3/2", 10), "c": POSITIVE}
+    casm = law("(q/(m*p))**n + log(p/c)/log(r)", parameters, "pq", domain={"p": AT_LEAST_0, "q": AT_LEAST_0})
+    told = next(action for action in opened(casm, "origin").actions if "times g" in action)
+    assert told.endswith("(for this claim alone: convexity would be open)")
+    assert verify(casm, claims=["convexity"])["convexity"].verdict is Verdict.PROVED
+    assert verify(changed(casm, told), claims=["convexity"])["convexity"].verdict is not Verdict.PROVED
+
+
 def test_another_form_keeps_the_flow_of_the_law_and_joins_its_surfaces() -> None:
     own = law_as_text(law("norm(a, b) - m*sqrt(1 - a)", {"m": POSITIVE}, potential="norm(a, b)"))
     assert own["flow"] and trials._changed(own, "a - 1", {}) == {**own, "g": "a - 1"}

@@ -36,7 +36,7 @@ def other_forms(read: StatedLaw) -> Iterator[tuple[Term, Term, bool]]:
 
 
 def _root_alone(part: Term, domain: StatedDomain) -> Iterator[tuple[Term, bool]]:
-    """Of x - c u^e the form (pos(x)/c)^(1/e) - u, and whether e < 1 is known: u^1 has a value for u < 0 too."""
+    """Of x - c u^e the form (pos(x)/c)^(1/e) - u, and whether K is known to stay: u^1 has a value for u < 0 too."""
     for term in part.args if part.op == "+" else ():
         moving = [f for f in factors(term) if not domain.constant(f)]
         c = minus(product_of(*(f for f in factors(term) if domain.constant(f))))
@@ -46,10 +46,11 @@ def _root_alone(part: Term, domain: StatedDomain) -> Iterator[tuple[Term, bool]]
         x = sum_of(*(other for other in part.args if other is not term and other != _ZERO))
         if domain.constant(x) or not domain.constant(e) or domain.facts(e).sign != POSITIVE or (e.op == "number" and e.value >= 1):
             continue
-        size = Term("pos", (x,)) if domain.facts(x).sign & NEGATIVE else x
+        negative, below_one = domain.facts(x).sign & NEGATIVE, domain.facts(sum_of(_ONE, minus(e))).sign
+        size = Term("pos", (x,)) if negative else x
         power = number(1 / e.value) if e.op == "number" else Term("**", (e, number(-1)))
-        root = domain.facts(sum_of(_ONE, minus(e))).sign == POSITIVE
-        yield sum_of(Term("**", (_times(short(Term("**", (c, number(-1)))), size), power)), minus(u)), root
+        known = below_one == POSITIVE or not (negative or below_one & NEGATIVE)
+        yield sum_of(Term("**", (_times(short(Term("**", (c, number(-1)))), size), power)), minus(u)), known
 
 
 def _without_brackets(part: Term, domain: StatedDomain) -> Iterator[Term]:
