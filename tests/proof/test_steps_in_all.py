@@ -107,4 +107,4 @@ def test_two_processes_spend_the_same_and_find_the_same() -> None:
         for seed in ("1", "2000")
     ]
     assert done[0].returncode == 0, done[0].stderr
-    assert done[0].stdout == done[1].stdout and "gotoh proved" in done[0].stdout and "lobes undecided" in done[0].stdout
+    assert done[0].stdout == done[1].stdout and "gotoh proved" in done[0].stdout and "hoffman undecided" in done[0].stdout

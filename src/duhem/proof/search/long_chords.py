@@ -95,7 +95,9 @@ def _in_choice(subject: FormulaSubject, parameters: Values, seen: list[int], way
     inner = centre if inner is None else inner
     for section, directions in enumerate(_planes(len(forces)) if ways is None else [ways]):
         opposite = section == 0 and ways is None and len(forces) > 1 and value(zero) > 0.0
-        pairs = chain(_through_zero(value, directions) if opposite else (), _along_rays(value, centre, inner, directions, seen))
+        along = [_along_rays(value, centre, centre, directions, seen)]
+        along += [_along_rays(value, centre, inner, directions, [])] if inner is not centre else []  # zero force may be a tip of K
+        pairs = chain(_through_zero(value, directions) if opposite else (), *along)
         for p, q, *anchors in pairs:
             for digits in (1, 2, 3, 4, 6, 9, 12, 16):  # the fewest decimals that still show it, for those who check by hand
                 pulled = (x + 10.0**-digits * (a - x) for x, a in zip((p, q), anchors, strict=True))

@@ -69,15 +69,21 @@ def _least(measure: Callable[[BoundaryScout], Any], scout: BoundaryScout) -> tup
     """The least value, and at which boundary point; infinite where there are none."""
     if len(scout.boundary) < 2:
         return np.inf, 0
-    with np.errstate(all="ignore"):
-        values = np.asarray(measure(scout), dtype=float)
-    values = np.where(np.isfinite(values), values, np.inf)
+    values = _measured(measure, scout)
     return float(values.min()), int(values.argmin())
+
+
+def _measured(measure: Callable[[BoundaryScout], Any], scout: BoundaryScout) -> Any:
+    """The measure at each boundary point; infinite where there is none, and where a ray leaves K at a pole of g, at which g is not 0."""
+    with np.errstate(all="ignore"):
+        values, ends = np.asarray(measure(scout), dtype=float), scout.boundary
+        deep, before = (scout.value(scout.centre + share * (ends - scout.centre)) for share in (1.0, _BEFORE_THE_END))
+        return np.where(np.isfinite(values) & ~(deep < _STEEP * (np.minimum(before, 0.0) - 1.0)), values, np.inf)
 
 
 def failures(claim: str, scout: BoundaryScout) -> int:
     """At how many boundary points that a scout found the measure of the claim seems to be < 0."""
-    return int(np.sum(_MEASURES[claim][1](scout) < -_ROUNDING))
+    return int(np.sum(_measured(_MEASURES[claim][1], scout) < -_ROUNDING))
 
 
 def highest_at_zero(subject: FormulaSubject, most: int = 2) -> list[Values]:
@@ -110,6 +116,7 @@ def _curvature(scout: BoundaryScout) -> Any:
     return least
 
 
+_BEFORE_THE_END, _STEEP = 0.999, 1e6  # a share of a ray; how often as deep as there g is at a pole
 _MEASURES: Mapping[str, tuple[str, Callable[[BoundaryScout], Any]]] = {
     "convexity": ("curvature of the boundary times its distance", _curvature),
     "normality": ("slip . way from another point of K, over the sizes of both", lambda scout: -scout.leaning()),

@@ -149,7 +149,7 @@ def keeps_k(subject: FormulaSubject, g: str) -> bool:
             here = float(new(*z, *others))
             around = np.clip(z + _NEAR * max(1.0, np.abs(z).max()) * np.concatenate([equal[:3], drawn]), low, high)
             near = old(*around.T, *others)
-            near = near[np.isfinite(near)]
+            near = near[near > -np.inf]  # K ends where g rises without end
             found = np.any(near <= 0) if here <= _ROUNDING else np.all(near > 0)
             if np.isfinite(here) and len(near) and not (found or np.all(np.abs(near - here) <= _SAME * (1 + abs(here)))):
                 return False
@@ -158,15 +158,20 @@ def keeps_k(subject: FormulaSubject, g: str) -> bool:
 
 @np.errstate(all="ignore")
 def same_points(subject: FormulaSubject, g: str) -> int:
-    """How many points lie in K, or outside, for g as it is and for a changed g; 0 where one lies in one K alone."""
+    """How many points lie in K, or outside, for g as it is and for a changed g; 0 where one lies in one K alone.
+
+    Among the points are zero force and many of which some forces are 0.
+    """
     old, new, low, high = _both(subject, g)
     rng, seen = np.random.default_rng(11), 0
     drawn = rng.standard_normal((_MANY, len(low))) * 10.0 ** rng.uniform(-3, 3, (_MANY, 1))
+    drawn = np.concatenate([drawn, drawn * rng.integers(0, 2, drawn.shape), 0 * drawn[:1]])
     for scout in scouts(subject, 2 * _CHOICES):
         near = [scale * scout.boundary for scale in _SCALES] if scout.boundary.shape[1] == len(low) else []
         points = np.clip(np.concatenate([drawn, *near]), low, high)
         one, two = (np.broadcast_to(run(*points.T, *_others(subject, scout.parameters)), len(points)) for run in (old, new))
-        clear = ~(np.minimum(np.abs(one), np.abs(two)) <= _ROUNDING * (1 + np.abs(points).max(axis=1)))
+        sizes, far = np.sort(np.abs([one, two]), axis=0), 1 + np.abs(points).max(axis=1)
+        clear = ~(sizes[0] <= _ROUNDING * far) | (sizes[1] > _SAME * far)  # both are close to 0 at the boundary
         if np.any((one <= 0)[clear] != (two <= 0)[clear]):
             return 0
         seen += int(clear.sum())

@@ -186,6 +186,8 @@ def _same_k(asked: _OpenClaim, names: Names) -> Iterator[Form]:
     """Forms of g with another formula for one part, and with which K seems to be as it was."""
     subject, law = asked.subject, asked.law
     associated = isinstance(law, Criterion) and not law.viscous and all(surface.flow is None for surface in law.surfaces)
+    # what is false of K is not true of the same K, and other forms would be said to prove it
+    false_of_k = any(asked.settled[name].verdict is Verdict.REFUTED for name in ("origin", "convexity") if name in asked.settled)
     with suppress(*UNREADABLE, TooDearError), within(_STEPS):
         if associated and isinstance(subject, FormulaSubject) and isinstance(read := StatedLaw.read(asked.text), StatedLaw):
             for part, new, known in islice(other_forms(read), _MOST_FORMS):
@@ -193,7 +195,7 @@ def _same_k(asked: _OpenClaim, names: Names) -> Iterator[Form]:
                 told = f"write {in_text(new, names)} for {in_text(part, names)}"
                 if known:
                     yield f"{told}: K stays the same", g
-                elif compared := same_points(subject, g):
+                elif not false_of_k and (compared := same_points(subject, g)):
                     yield f"{told}: K is the same at {compared} points that were compared", g
 
 
