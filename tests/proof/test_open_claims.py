@@ -344,11 +344,22 @@ def test_another_form_with_the_same_k_is_suggested_and_proves_the_claim(criterio
         ("where(a < 0, b - 1, b + a - 1)", "b - 1"),
         ("a**2 + b**2 - 1", "a**2 + b**2 - 101/100"),
         ("sqrt(a) + b - 1", "sqrt(abs(a)) + b - 1"),  # K of the first ends where a < 0
+        ("where(norm(a, b) > 0, b**2 - a, 5)", "b**2 - a"),  # zero force is in the second K alone
+        ("abs(b) - where(a > 0, a, 0)", "abs(b) - a"),  # the half-line b = 0, a < 0 is in the first K alone
+        ("where(a > 0, b**2 - a, abs(a + 3))", "b**2 - a"),  # the line a = -3 is, too
     ],
 )
 def test_a_form_with_another_k_is_not_taken_for_the_same(g: str, other: str) -> None:
     subject = FormulaSubject(law(g))
     assert same_points(subject, other) == 0 and same_points(subject, f"2*({g})") > 1000
+
+
+def test_no_form_is_compared_where_k_is_known_not_to_be_convex() -> None:
+    """It would be said to have the same K, and to be convex."""
+    bent = law("where(a > 0, a**2 + b**2, a**2 + e*b**2) - c", {"e": Domain.between(1, "10001/10000"), "c": POSITIVE})
+    found = verify(bent, effort="quick")
+    assert found["convexity"].verdict is Verdict.REFUTED
+    assert not any("compared" in action for r in found.results if r.unsettled is not None for action in r.unsettled.actions)
 
 
 @pytest.mark.parametrize(

@@ -10,7 +10,8 @@ import pytest
 from duhem import Criterion, Verdict, verify
 from duhem.law.domain import POSITIVE, Domain
 from duhem.proof.facts.formula_subject import FormulaSubject
-from duhem.proof.search.margins import WALK, highest_at_zero, least_margin
+from duhem.proof.search.boundary_points import scouts
+from duhem.proof.search.margins import WALK, failures, highest_at_zero, least_margin
 
 # shear strength that rises with compression across the grain, of the third degree; s6 has no end where the factor of its square is < 0
 WOOD = Criterion(
@@ -77,3 +78,17 @@ def test_a_law_that_has_no_value_at_zero_force_has_no_such_choice() -> None:
     )
     assert highest_at_zero(FormulaSubject(no_value)) == []
     assert verify(no_value, claims=["origin"])["origin"].verdict is Verdict.UNDECIDED
+
+
+@pytest.mark.parametrize("g", ["b**2/a + a**2/b - m", "b**2/a - k*a + m*a**2", "exp(b) + 1/a - m"])
+def test_poles_of_g_are_no_boundary_points(g: str) -> None:
+    """By Euler's relation force . grad g is m > 0, and m a^2 > 0, wherever g = 0 of the first two; the third has a pole at a = 0 too."""
+    law = Criterion("poles", g, {name: POSITIVE for name in "km" if name in g}, ("a", "b"), None)
+    subject = FormulaSubject(law)
+    if "exp" not in g:
+        assert sum(failures("dissipation", scout) for scout in scouts(subject, 3)) == 0
+    found = least_margin("dissipation", subject)
+    if found is not None:
+        values = {x: float(v) for x, v in found.scout.parameters.items()}
+        at = dict(zip(subject.simple.forces, found.scout.boundary[found.place], strict=True))
+        assert abs(float(subject.simple.g.subs(values).subs(at).evalf())) < 1e-3
