@@ -48,7 +48,7 @@ def region(
 
     ``parameters`` names them; they may be left out where at most three are free and no mere scales, or where convexity is asked of a g with
     a quadratic form, itself or under its only root, the signs of whose minors depend on at most three.  ``over`` maps parameters
-    to ranges that take the place of those of the law: ``"0:1"``, ``(0, 1)`` with None for no end, or a Domain; ``"0<:1"`` leaves out 0.
+    to ranges that take the place of those of the law: ``"0:1"``, ``(0, 1)`` with None for no end, or a Domain, which may leave out 0.
     An end at which the law has no value is left out.  The other parameters are all that they may be: the claim holds if it holds for all
     of them.  ``steps`` bounds the work; what is left then is open, as it is where a region of several parameters is interrupted.  From the
     certificate of such a region to ``resume`` it goes on, and its steps count.  Raises InputError for an unknown law, parameter, claim or

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from fractions import Fraction
-from itertools import islice
+from itertools import islice, pairwise
 
 from duhem.proof.kernel.bounds import Bounds
 from duhem.proof.kernel.parameter_cells import own_domain
@@ -80,15 +80,16 @@ def cells_of(asked: Asked) -> tuple[Decided, ...]:
 
     The widest gap comes first.  What is decided in one may leave others, and a gap in which nothing is decided is halved.
     """
-    done = [*_seen(asked)] if (whole := asked.proved(asked.whole)) is None else [whole]
-    gaps = [(gap, True) for gap in _left(asked.whole, [one.cell for one in done])]
-    in_vain = 0
+    done, cuts = _seen(asked) if (whole := asked.proved(asked.whole)) is None else ([whole], [])
+    gaps, in_vain = [(gap, True) for gap in _left(asked.whole, [one.cell for one in done])], 0
     while gaps:
         gap, fresh = gaps.pop(max(range(len(gaps)), key=lambda i: _width(gaps[i][0])))
         if (found := None if asked.spent else _decided(asked, gap, fresh)) is not None:
             done.append(found)
             gaps += [(rest, fresh and found.leaf["verdict"] == "proved") for rest in _left(gap, [found.cell])]
             in_vain = 0
+        elif gap == asked.whole and cuts:  # nothing grows, so each stretch in which floating point sees no change is asked by itself
+            gaps += [(part, False) for part in _left(gap, cuts)]
         elif gap == asked.whole and asked.most >= _IN_DEPTH and not (asked.by_all or asked.spent):
             asked.by_all, asked._known = True, {}
             gaps.append((gap, fresh))
@@ -143,18 +144,21 @@ def _is_narrow(gap: ParameterCell) -> bool:
     return gap.high.low - gap.low.high <= _UNDIVIDED * max(Fraction(1), abs(gap.low.low))
 
 
-def _seen(asked: Asked) -> Iterator[Decided]:
-    """Cells of the stretches in which the claim seems to hold, by floating point; their ends are short numbers, or those of the domain."""
+def _seen(asked: Asked) -> tuple[list[Decided], list[ParameterCell]]:
+    """Cells on which the claim seems to hold, by floating point, and is proved; and the numbers at which it seems to change over.
+
+    The ends of cells are short numbers, or those of the domain.  A number at which it changes over is told as what lies between the cells
+    on both sides, of which the one where the claim holds has it: (x, False, True) where the claim holds above x, else (x, True, False).
+    """
     whole, told = asked.whole, asked.told(asked.over(asked.whole))
     stretches = changes(told, asked.names[0], whole.bounds) if told else []
-    for i, (low, high, holds) in enumerate(stretches):
-        first, last = i == 0, i == len(stretches) - 1
-        ends = whole.low if first else _number_near(low), whole.high if last else _number_near(high)
-        out, out_high = first and whole.open, last and whole.open_high
+    cuts = [ParameterCell(at := _number_near(low), at, not holds, holds) for low, _, holds in stretches[1:]]
+    ends, found = [(whole.low, whole.open), *((cut.low, False) for cut in cuts), (whole.high, whole.open_high)], list[Decided]()
+    for (*_, holds), ((low, out), (high, out_high)) in zip(stretches, pairwise(ends), strict=False):
         each = dict.fromkeys([(out, out_high), (True, out_high), (out, True), (True, True)])
-        cells = (_cell(*ends, *left_out) for left_out in each if holds)
-        if done := next(filter(None, (asked.proved(cell) for cell in cells if cell is not None)), None):
-            yield done
+        cells = (_cell(low, high, *left_out) for left_out in each if holds)
+        found += islice(filter(None, (asked.proved(cell) for cell in cells if cell is not None)), 1)
+    return found, cuts
 
 
 def _number_near(x: float) -> RealRoot:
