@@ -12,7 +12,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from itertools import chain
+from itertools import chain, product
 from math import isqrt
 from typing import Any
 
@@ -66,7 +66,7 @@ def looked_between(subject: FormulaSubject) -> list[int]:
 
 
 def chords_downhill(subject: FormulaSubject) -> Iterator[Chord]:
-    """Chords where a walk over parameters and rays finds that the boundary bends outward; around that ray, and all around."""
+    """Chords where a walk over parameters and rays finds that the boundary bends inward; along rays near that place, and all around."""
     found = least_margin("convexity", subject, WALK)
     if found is not None and found.value < -_BENT:
         for ways in (found.scout.directions, None):
@@ -87,18 +87,15 @@ def _in_choice(subject: FormulaSubject, parameters: Values, seen: list[int], way
         return np.maximum(g, np.max(np.maximum(low - points, points - high), axis=-1)) if subject.law.domain else g
 
     zero = np.zeros(len(forces))
-    # a point of the boundary is pulled towards one inside K
     inner = zero if value(zero) < 0 else lowest(value, len(forces), np.random.default_rng(3), (-3, 3))
     centre = zero if value(zero) <= 0 else inner
     if centre is None:
         return
-    inner = centre if inner is None else inner
+    towards = (centre,) if inner is None or inner is centre else (centre, inner)  # zero force may be a tip of K
     for section, directions in enumerate(_planes(len(forces)) if ways is None else [ways]):
         opposite = section == 0 and ways is None and len(forces) > 1 and value(zero) > 0.0
-        along = [_along_rays(value, centre, centre, directions, seen)]
-        along += [_along_rays(value, centre, inner, directions, [])] if inner is not centre else []  # zero force may be a tip of K
-        pairs = chain(_through_zero(value, directions) if opposite else (), *along)
-        for p, q, *anchors in pairs:
+        along = _along_rays(value, centre, towards, directions, seen)
+        for p, q, *anchors in chain(_through_zero(value, directions) if opposite else (), along):
             for digits in (1, 2, 3, 4, 6, 9, 12, 16):  # the fewest decimals that still show it, for those who check by hand
                 pulled = (x + 10.0**-digits * (a - x) for x, a in zip((p, q), anchors, strict=True))
                 one, two = (tuple(Fraction(round(float(c) * 10**digits), 10**digits) for c in x) for x in pulled)
@@ -126,8 +123,10 @@ def _through_zero(value: Any, directions: Array) -> Iterator[tuple[Array, Array,
         yield p, -p, 2 * p, -2 * p
 
 
-def _along_rays(value: Any, centre: Array, inner: Array, directions: Array, seen: list[int]) -> Iterator[tuple[Array, Array, Array, Array]]:
-    """Pairs of points whose midpoint seems outside K, each pair with the points that its ends are pulled towards."""
+def _along_rays(
+    value: Any, centre: Array, towards: Sequence[Array], directions: Array, seen: list[int]
+) -> Iterator[tuple[Array, Array, Array, Array]]:
+    """Pairs of points whose midpoint seems outside K, each pair with the points that its ends are pulled towards, one after the other."""
     rays = Rays(value, centre, directions)
     inside = rays.inside(_RADII)
     last, first = rays.narrowed(*first_exit(inside, _RADII))
@@ -139,7 +138,7 @@ def _along_rays(value: Any, centre: Array, inner: Array, directions: Array, seen
     back = np.argmax(later[who], axis=1)
     gap = Rays(value, centre, directions[who])
     enter, _ = gap.narrowed(_RADII[back], _RADII[back - 1])
-    for leave, entry, farther in zip(boundary[who], gap.at(enter), gap.at(_RADII[back]), strict=True):
+    for inner, (leave, entry, farther) in product(towards, zip(boundary[who], gap.at(enter), gap.at(_RADII[back]), strict=True)):
         yield leave, entry, inner, farther
     n = len(directions)
     best: list[tuple[float, int, int]] = []
@@ -153,7 +152,7 @@ def _along_rays(value: Any, centre: Array, inner: Array, directions: Array, seen
         top = int(np.argmax(score))
         if score[top] > 0:
             best.append((float(score[top]), top, (top + step) % n))
-    for _, i, j in sorted(best, reverse=True):
+    for inner, (_, i, j) in product(towards, sorted(best, reverse=True)):
         yield boundary[i], boundary[j], inner, inner
 
 

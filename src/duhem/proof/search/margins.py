@@ -25,6 +25,7 @@ __all__ = ["WALK", "Margin", "failures", "highest_at_zero", "least_margin"]
 WALK = 12  # moves
 _CHOICES, _STARTS, _STEP, _ROUNDING = 6, 3, 1e-3, 1e-7  # of cosines that are found by differences
 _WIDTHS, _RAYS = 4, 48  # of moves, each half of the one before; of a move, beside the one on which the margin is least
+_BEFORE_THE_END, _STEEP = 0.999, 1e6  # a share of a ray; g at its end is so many times as deep as there, if that is a pole
 _MOVE, _CLEAR = 5_000, 0.01  # steps of a move; a margin that is farther below 0 needs no more search
 
 
@@ -116,7 +117,6 @@ def _curvature(scout: BoundaryScout) -> Any:
     return least
 
 
-_BEFORE_THE_END, _STEEP = 0.999, 1e6  # a share of a ray; how often as deep as there g is at a pole
 _MEASURES: Mapping[str, tuple[str, Callable[[BoundaryScout], Any]]] = {
     "convexity": ("curvature of the boundary times its distance", _curvature),
     "normality": ("slip . way from another point of K, over the sizes of both", lambda scout: -scout.leaning()),

@@ -119,9 +119,8 @@ def split(term: Term, size: Term, domain: StatedDomain) -> tuple[list[Term], Ter
     if term.op == "**" and domain.constant(term.args[1]):
         rest, own = split(term.args[0], size, domain)
         if own != _ZERO:
-            return [Term("**", (product_of(*rest), term.args[1]))] if rest else [], short(
-                multiplied_out(product_of(own, term.args[1]), domain)
-            )
+            power = short(multiplied_out(product_of(own, term.args[1]), domain))
+            return [Term("**", (product_of(*rest), term.args[1]))] if rest else [], power
     if term.op == "*":
         parts = [split(a, size, domain) for a in term.args]
         return [x for rest, _ in parts for x in rest], short(multiplied_out(sum_of(*(own for _, own in parts)), domain))

@@ -178,8 +178,8 @@ def _with_values(asked: _OpenClaim, names: Names) -> Iterator[Form]:
     """Forms of g in which parts that have no value at a tip have one, and with which K seems to be as it was."""
     with suppress(*UNREADABLE, TooDearError), within(_STEPS):
         if "g" in asked.text and isinstance(asked.subject, FormulaSubject) and isinstance(read := StatedLaw.read(asked.text), StatedLaw):
-            texts = ((told, in_text(g, {})) for told, g in with_values(read, names))
-            yield from (form for form in texts if keeps_k(asked.subject, form[1]))
+            forms = (Form(told, in_text(g, {}), at_tip=True) for told, g in with_values(read, names))
+            yield from (form for form in forms if keeps_k(asked.subject, form.g))
 
 
 def _same_k(asked: _OpenClaim, names: Names) -> Iterator[Form]:
@@ -194,9 +194,9 @@ def _same_k(asked: _OpenClaim, names: Names) -> Iterator[Form]:
                 g = in_text(read.g.put({part: new}), {})
                 told = f"write {in_text(new, names)} for {in_text(part, names)}"
                 if known:
-                    yield f"{told}: K stays the same", g
+                    yield Form(f"{told}: K stays the same", g)
                 elif not false_of_k and (compared := same_points(subject, g)):
-                    yield f"{told}: K is the same at {compared} points that were compared", g
+                    yield Form(f"{told}: K is the same at {compared} points that were compared", g)
 
 
 def _choices(asked: _OpenClaim) -> Iterator[dict[str, Fraction]]:

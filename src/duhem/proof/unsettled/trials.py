@@ -11,7 +11,7 @@ from contextlib import suppress
 from dataclasses import dataclass, field
 from fractions import Fraction
 from itertools import islice, product
-from typing import Any
+from typing import Any, NamedTuple
 
 from duhem.proof.decide import Budget
 from duhem.proof.kernel.bounds import NEGATIVE, POSITIVE, ZERO, Bounds
@@ -30,7 +30,6 @@ __all__ = ["Attempts", "Form", "settings", "that_help"]
 Text = Mapping[str, Any]  # a law as the kernel reads it
 Choice = Mapping[str, Fraction]
 Choices = Callable[[Iterable[Choice]], Iterable[Choice]]  # those of some at which K is not empty, and more
-Form = tuple[str, str]  # what to write, and g then
 Decide = Callable[[str, Text, Budget], Verdict | None]  # the verdict on a claim of a changed law; None where it is open
 _IN_ALL, _SHARE = 5_000_000, 2  # steps for all claims of a law; one claim may use 1/_SHARE of what is left
 _A_TRIAL, _A_KIND, _A_DECISION, _READING = 200_000, 400_000, 250_000, 5_000  # steps; for reading a law
@@ -42,6 +41,14 @@ _MOST_DECIDED, _MOST_DUALS = 12, 3  # times that everything is asked about one c
 _LONGEST = 120  # letters of a constraint
 _MOST_FORCES = 3  # of a law that may be meant for one sign of a force
 _MOST_FORMS, _MOST_SINGLE, _MOST_SIGNS = 2, 2, 8  # beside g itself; of parameters that are 0; of constants whose sign is asked
+
+
+class Form(NamedTuple):
+    """What to write, and g then; ``at_tip`` where a part without a value at a tip of K has one in it."""
+
+    told: str
+    g: str
+    at_tip: bool = False
 
 
 @dataclass
@@ -78,14 +85,13 @@ def that_help(
         asked.steps = _A_KIND
         if (best := next(((told, changed) for told, changed in kind if asked(changed)), None)) is not None:
             found.append(asked.keep(*best))
-    found = found or _with_least_lost(law, ((told, _changed(law, g, {})) for told, g in forms()), asked)
+    found = found or _with_least_lost(law, ((form.told, _changed(law, form.g, {})) for form in forms()), asked)
     part = frozenset[str]() if blocked is None else blocked.part.names().union(*(c.names() for c in blocked.signs))
     if found or refuted:
         return [*found, *refuted]
     known, asked.steps = [*choices(_choices(law))], _A_KIND
     # where g has no value at a tip, it is no parameter that is to blame; a closed form takes long to look for
-    at_a_tip = any(": K " not in told for told, _ in forms())
-    alone = () if at_a_tip or not known or claim == "duality" else sorted(known[0])
+    alone = () if any(form.at_tip for form in forms()) or not known or claim == "duality" else sorted(known[0])
     return _narrowed(law, alone, known, {}, asked) or _settling(law, forms(), part, known, choices, asked)
 
 
@@ -118,7 +124,7 @@ class _Asked:
             return self.decide is not None and self.decided(law) is Verdict.PROVED
         answers = self.tried.answers.setdefault(key, {})
         known = {name for name in _BEFORE if answers.get(name) or self.tried.verdicts.get((name, key)) is Verdict.PROVED}
-        known |= self.settled if law.get("g") == self.g else self.settled & {"origin"}
+        known |= self.settled if law.get("g") == self.g else self.settled & {"origin"}  # other forms of g have the same K
         if claim in known or claim in answers or self.steps < 0 or self.tried.steps <= self.kept:
             return claim in known
         with within(_A_TRIAL) as purse, suppress(*UNREADABLE, TooDearError):
@@ -195,7 +201,7 @@ def _settling(
     law: Text, forms: Sequence[Form], part: frozenset[str], known: Sequence[Choice], choices: Choices, asked: _Asked
 ) -> list[str]:
     """A form of g, or g with the fewest parameters fixed or narrowed at plain values, of which the claim is proved or refuted."""
-    bases, zero, asked.steps = (("", None), *forms[:_MOST_FORMS]), Fraction(0), 2 * _A_KIND
+    bases, zero, asked.steps = (("", None), *(form[:2] for form in forms[:_MOST_FORMS])), Fraction(0), 2 * _A_KIND
     single = ({**choice, x: zero} for choice in known[:1] for x in choice if choice[x] and Bounds.read(law["parameters"][x]).holds(zero))
     for values in ({}, *known[:_MOST_FIXED], *islice(choices(single), _MOST_SINGLE)):  # an effect that is switched off says least
         for told, g in bases if values else bases[1:]:
