@@ -26,6 +26,7 @@ from duhem.proof.kernel.real_root import RealRoot
 from duhem.proof.recheck import RecheckedRegion
 from duhem.regions import entry
 from duhem.regions.places import OPEN, Decided, ParameterCell, square_root_near
+from duhem.regions.search import Asked, cells_of
 from duhem.show.printing import text
 from tests.long import mostly_long
 from tests.regions.test_planes import tampered
@@ -370,3 +371,10 @@ def test_cells_are_within_the_domain_whatever_a_certificate_says() -> None:
 def test_the_root_of_a_short_quadratic_is_none_of_a_fraction(x: str, found: bool) -> None:
     near = Fraction(x)
     assert (square_root_near(near - Fraction(1, 10**9), near + Fraction(1, 10**9)) is not None) is found
+
+
+def test_stretches_that_are_seen_are_asked_by_themselves_before_gaps_are_halved() -> None:
+    """Of the matchstick nothing is proved while its scale is free: that is seen without halving gaps, and without whole verifications."""
+    asked = Asked(duhem.load("matchstick"), "convexity", ("mu_a",))
+    assert [one.leaf["verdict"] for one in cells_of(asked)] == ["refuted", "open", "refuted"]
+    assert asked.verifications == 0 and asked.steps < 10_000_000
