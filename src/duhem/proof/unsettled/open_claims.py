@@ -34,7 +34,7 @@ from duhem.proof.unsettled.blocked import Blocked, blocked, required
 from duhem.proof.unsettled.forms import other_forms
 from duhem.proof.unsettled.limits import keeps_k, same_points, with_values
 from duhem.proof.unsettled.term_text import Names, in_text, names_of
-from duhem.proof.unsettled.trials import Attempts, Form, settings, that_help
+from duhem.proof.unsettled.trials import Attempts, Rewriting, settings, that_help
 from duhem.proof.verdict import CONTRADICTION, Evidence, Unsettled, Verdict
 
 __all__ = ["STATEMENT", "THEORY", "OpenClaims"]
@@ -110,7 +110,7 @@ class OpenClaims:
 
     def __init__(self, law: Law, decide: DecideLaw | None = None) -> None:
         self._law, self._decide, self._tried = law, decide, Attempts()
-        self._forms: dict[Subject, list[Form]] = {}
+        self._forms: dict[Subject, list[Rewriting]] = {}
 
     def unsettled(self, claim: str, subject: Subject, settled: Mapping[str, Evidence]) -> Unsettled | None:
         """Say what is open of a claim that is neither proved nor refuted; None for any other claim."""
@@ -150,7 +150,7 @@ class OpenClaims:
         part, why = (None, None) if found is None else _quoted(found, names)
         return Unsettled(inequality, part, why, place, measure, margin, tuple(actions))
 
-    def _same(self, asked: _OpenClaim, names: Names) -> list[Form]:
+    def _same(self, asked: _OpenClaim, names: Names) -> list[Rewriting]:
         """Forms of g with which K seems to be as it was, each made once."""
         if asked.subject not in self._forms:
             same, values = [*_same_k(asked, names)], [] if asked.claim == "duality" else _with_values(asked, names)
@@ -174,15 +174,15 @@ def _quoted(found: Blocked, names: Names) -> tuple[str, str]:
     return text, found.why
 
 
-def _with_values(asked: _OpenClaim, names: Names) -> Iterator[Form]:
+def _with_values(asked: _OpenClaim, names: Names) -> Iterator[Rewriting]:
     """Forms of g in which parts that have no value at a tip have one, and with which K seems to be as it was."""
     with suppress(*UNREADABLE, TooDearError), within(_STEPS):
         if "g" in asked.text and isinstance(asked.subject, FormulaSubject) and isinstance(read := StatedLaw.read(asked.text), StatedLaw):
-            forms = (Form(told, in_text(g, {}), at_tip=True) for told, g in with_values(read, names))
+            forms = (Rewriting(told, in_text(g, {}), at_tip=True) for told, g in with_values(read, names))
             yield from (form for form in forms if keeps_k(asked.subject, form.g))
 
 
-def _same_k(asked: _OpenClaim, names: Names) -> Iterator[Form]:
+def _same_k(asked: _OpenClaim, names: Names) -> Iterator[Rewriting]:
     """Forms of g with another formula for one part, and with which K seems to be as it was."""
     subject, law = asked.subject, asked.law
     associated = isinstance(law, Criterion) and not law.viscous and all(surface.flow is None for surface in law.surfaces)
@@ -194,9 +194,9 @@ def _same_k(asked: _OpenClaim, names: Names) -> Iterator[Form]:
                 g = in_text(read.g.put({part: new}), {})
                 told = f"write {in_text(new, names)} for {in_text(part, names)}"
                 if known:
-                    yield Form(f"{told}: K stays the same", g)
+                    yield Rewriting(f"{told}: K stays the same", g)
                 elif not false_of_k and (compared := same_points(subject, g)):
-                    yield Form(f"{told}: K is the same at {compared} points that were compared", g)
+                    yield Rewriting(f"{told}: K is the same at {compared} points that were compared", g)
 
 
 def _choices(asked: _OpenClaim) -> Iterator[dict[str, Fraction]]:

@@ -25,7 +25,7 @@ from duhem.proof.unsettled.blocked import Blocked
 from duhem.proof.unsettled.term_text import in_text
 from duhem.proof.verdict import Verdict
 
-__all__ = ["Attempts", "Form", "settings", "that_help"]
+__all__ = ["Attempts", "Rewriting", "settings", "that_help"]
 
 Text = Mapping[str, Any]  # a law as the kernel reads it
 Choice = Mapping[str, Fraction]
@@ -43,7 +43,7 @@ _MOST_FORCES = 3  # of a law that may be meant for one sign of a force
 _MOST_FORMS, _MOST_SINGLE, _MOST_SIGNS = 2, 2, 8  # beside g itself; of parameters that are 0; of constants whose sign is asked
 
 
-class Form(NamedTuple):
+class Rewriting(NamedTuple):
     """What to write, and g then; ``at_tip`` where a part without a value at a tip of K has one in it."""
 
     told: str
@@ -67,7 +67,8 @@ class Attempts:
 
 def that_help(
     claim: str, law: Text, settled: frozenset[str], blocked: Blocked | None, choices: Choices,
-    forms: Callable[[], Sequence[Form]] = tuple, decide: Decide | None = None, first: Sequence[Choice] = (), tried: Attempts | None = None,
+    forms: Callable[[], Sequence[Rewriting]] = tuple, decide: Decide | None = None, first: Sequence[Choice] = (),
+    tried: Attempts | None = None,
 ) -> list[str]:  # fmt: skip
     """What to do, so that the claim is settled: one action a kind, each seen to help.
 
@@ -198,7 +199,7 @@ def _ranges(law: Text, blocked: Blocked) -> Iterator[tuple[str, Text]]:
 
 
 def _settling(
-    law: Text, forms: Sequence[Form], part: frozenset[str], known: Sequence[Choice], choices: Choices, asked: _Asked
+    law: Text, forms: Sequence[Rewriting], part: frozenset[str], known: Sequence[Choice], choices: Choices, asked: _Asked
 ) -> list[str]:
     """A form of g, or g with the fewest parameters fixed or narrowed at plain values, of which the claim is proved or refuted."""
     bases, zero, asked.steps = (("", None), *(form[:2] for form in forms[:_MOST_FORMS])), Fraction(0), 2 * _A_KIND
