@@ -148,6 +148,27 @@ def test_lines_leave_what_is_no_polynomial_of_the_forces(name: str) -> None:
     assert done.exact and done.short == f"{c} <= 0" and duhem.recheck(done.certificate()).ok
 
 
+@pytest.mark.parametrize(
+    ("g", "low", "high"),
+    [
+        ("x**2 - c*abs(x*y) + y**2 - 1", "3/2", "5/2"),  # without end along the diagonals for c >= 2
+        ("x**2 - 2*c*abs(x*y) + 4*y**2 - 1", "3/2", "5/2"),
+        ("max(norm(x, y) - c*abs(x) - 1, norm(x, y) - c*abs(y) - 1)", "9/10", "6/5"),  # along the axes for c >= 1
+    ],
+)
+def test_ends_that_stay_refute_where_k_opens_inside_the_cell(g: str, low: str, high: str) -> None:
+    """How far a line stays in K has no bound from a value in the cell on, so no end that moves with the parameter follows it."""
+    asked = Asked(duhem.Criterion("opens", g, {"c": BETWEEN(low, high)}, ("x", "y"), None), "convexity", ("c",))
+    found = asked.refuted(asked.whole)
+    assert found is not None and found.leaf["rule"] == "chord"
+    with mpmath.workdps(40):
+        for c in (mpmath.mpf(k) / 100 for k in range(int(100 * Fraction(low)), int(100 * Fraction(high)) + 1)):
+            p, q = ([exactly(found.leaf["evidence"][key].get(f, "0"), c=c) for f in ("x", "y")] for key in ("p", "q"))
+            words = {"abs": abs, "max": max, "norm": mpmath.hypot, "c": c}
+            levels = [exactly(g, x=x, y=y, **words) for x, y in (p, q, [(u + v) / 2 for u, v in zip(p, q, strict=True)])]
+            assert levels[0] <= 0 and levels[1] <= 0 < levels[2]
+
+
 # -- near an end of a cell ---------------------------------------------------------------------------------------------
 
 WEDGE = "abs(y) + pos(x) - k*neg(x) - 1"  # its edges at x = 0 meet inward for k > 1

@@ -71,14 +71,14 @@ class AsksTheKernel:
             self.stated = StatedLaw.read(law_as_text(self.law))
         except NotWritten as fault:
             raise InputError(f"regions are not known of such a law: {fault}", where=self.law.name, remedy="use duhem verify") from None
-        ones = dict.fromkeys((n for n, own in self.stated.parameters.items() if n not in self.names and not own.single), "1")
-        known = ones if not ones or self.admits(ones, self.stated) else admitted_values(self.law) or ones
-        self.values = {name: known[name] for name in ones}
+        self.values = dict.fromkeys((n for n, own in self.stated.parameters.items() if n not in self.names and not own.single), "1")
+        if self.values and not self.admitted(self.stated) and (known := admitted_values(self.law)):
+            self.values = {name: known[name] for name in self.values}
 
-    def admits(self, values: Mapping[str, str], law: StatedLaw) -> bool:
-        """Whether a law over some values is seen to admit these of the other parameters at all of them."""
+    def admitted(self, law: StatedLaw) -> bool:
+        """Whether the values of the other parameters are seen to be admitted by a law over some values, at all of these."""
         with suppress(NotWritten):
-            at_values(law, values, self.names)
+            at_values(law, self.values, self.names)
             return True
         return False
 

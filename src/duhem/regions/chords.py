@@ -116,7 +116,8 @@ def _about_zero(own: Sequence[Any] | None) -> tuple[Fraction, Fraction]:
 def _planes(law: StatedLaw, places: Mapping[str, Array]) -> Iterator[_Plane]:
     """Of principal values meridian and deviatoric planes, else those along forces."""
     ends, n = dict[str, tuple[Any, ...]](law.ranges), len(law.forces)
-    if n == len(_MERIDIAN) and not ends and np.ptp(level(law, {name: x[:1] for name, x in places.items()}, _TURNED)) < _ALIKE:
+    first = {name: x[:1] for name, x in places.items()}
+    if n == len(_MERIDIAN) and not ends and np.isfinite(turned := level(law, first, _TURNED)).all() and np.ptp(turned) < _ALIKE:
         yield from (((Fraction(0),) * n, _MERIDIAN, way) for way in _DEVIATORIC)
         yield from (((share,) * n, one, two) for share in _ALONG for one, two in permutations(_DEVIATORIC))
         return
@@ -185,7 +186,8 @@ class _Lines(NamedTuple):
             return np.column_stack([begun, ((self.reach - begun[:, None]) / powers[1]).min(axis=1)])
         found = self.reach @ np.linalg.pinv(powers)
         found[:, 0] += (self.reach - found @ powers).min(axis=1)
-        return np.asarray(found)
+        stays = np.eye(len(powers))[0] * self.reach.min(axis=1)[:, None]  # what moves goes back beyond its start where K opens on the way
+        return np.where((found @ powers).min(axis=1)[:, None] < 0, stays, found)
 
     def levels(self, fitted: Array, pairs: Array) -> Array:
         """g at midpoints, the least of all places."""

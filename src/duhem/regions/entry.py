@@ -81,9 +81,7 @@ def _found(
         whole, tree = Place((), question.whole), question.known["tree"]
         found = PavedRegion(law, claim, names, question.places(), whole, tree, question.stopped, steps=question.steps)
     _, joined = constraints_on(law, names)
-    seen = not joined or all(
-        question.admits(question.values, question.over(cell)) for cell, leaf in found.known if leaf["verdict"] == "proved"
-    )
+    seen = not joined or all(question.admitted(question.over(cell)) for cell, leaf in found.known if leaf["verdict"] == "proved")
     return found if seen else replace(found, joined=joined)
 
 
