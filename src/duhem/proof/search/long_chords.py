@@ -5,11 +5,15 @@ zero, where it is not in K, for K may be all but a hole that is small from afar.
 On exact rays: K may have faces, edges or whiskers that no sample meets.  From far points: where an ellipsoid in a maximum lies
 farthest along a load, for what is cut off a ball may leave a cap that no sample meets; along the diameter to such an end g is looked
 at, and the other end of the chord is its mirror image in a zero of a load, or in where g is greatest.
+
+Of a law kept as a graph: a dent may be as narrow as one kink of one neuron.  So beside long chords between any two points of the boundary,
+short ones of every length are tilted and shifted until both ends lie on a level of g, and the one whose midpoint lies highest above it is a
+candidate.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import chain, product
@@ -26,12 +30,13 @@ from duhem.expression.numpy_ import compiled
 from duhem.expression.rays import Rays, first_exit
 from duhem.law.domain import REAL
 from duhem.proof.facts.formula_subject import FormulaSubject
+from duhem.proof.facts.graph_subject import GraphSubject
 from duhem.proof.facts.subject import Point, Values
 from duhem.proof.search.boundary_points import Chord, lowest
-from duhem.proof.search.edges import affine, exact_rays, largest_loads
+from duhem.proof.search.corners import affine, exact_rays, largest_loads
 from duhem.proof.search.margins import WALK, least_margin
 
-__all__ = ["chords_between_exact_rays", "chords_downhill", "chords_from_far_points", "looked_between", "sampled_chords"]
+__all__ = ["chords_between_exact_rays", "chords_downhill", "chords_from_far_points", "graph_chords", "looked_between", "sampled_chords"]
 
 Array = NDArray[np.float64]
 _ANGLES, _SECTIONS = 720, 24
@@ -317,3 +322,89 @@ def _zero(load: sp.Expr, forces: Sequence[sp.Symbol], diameter: _Diameter) -> Fr
     level = load.xreplace(dict(zip(forces, map(rational, diameter.centre), strict=True)))
     rise = sum(sp.diff(load, x) * rational(w) for x, w in zip(forces, diameter.way, strict=True))
     return fraction(-level / rise) if rise and (level / rise).is_Rational else None
+
+
+# -- of a law kept as a graph ------------------------------------------------------------------------------------------
+
+_DIRECTIONS, _FEWEST, _PAIRS, _LENGTHS, _TURNS = 1500, 100, 4, 10, 3
+_LENGTH = 1_000_000  # letters of all definitions, beyond which fewer directions are looked at
+_SIZES, _BITS = np.exp2(np.arange(-10.0, 30.0)), 40
+_DIGITS = (2, 3, 4, 6, 9, 12)
+_BEST = 2  # of each length
+_NOISE_OF_GRAPH = 1e-11  # relative to the sizes of g
+
+
+def graph_chords(subject: GraphSubject, parameters: Values) -> Iterator[tuple[Point, Point]]:
+    """Ends in K with a midpoint that seems to lie outside, the plainest digits first."""
+    forces = subject.law.force_symbols()
+    rest = {x: float(v) for x, v in subject.values_at(parameters, [Fraction(0)] * len(forces)).items() if x not in forces}
+    program = compiled(subject.law.g, [*forces, *rest])
+
+    def g(at: Array) -> Array:
+        with np.errstate(all="ignore"):
+            return np.asarray(program(*np.moveaxis(at, -1, 0), *rest.values()) + np.zeros(at.shape[:-1]))
+
+    rng = np.random.default_rng(0)
+    length = sum(len(text) for _, text in subject.law.graph.nodes) if subject.law.graph else 0
+    directions = int(np.clip(_DIRECTIONS * _LENGTH / max(length, 1), _FEWEST, _DIRECTIONS))
+    zero = np.zeros(len(forces))
+    start = zero if g(zero) < 0.0 else lowest(g, len(forces), rng, (-2, 2))
+    if start is None or len(edge := _boundary(g, start, directions, rng)) < 2:
+        return
+    with np.errstate(all="ignore"):  # where g has no value, or an infinite one
+        found = [*_long(g, start, edge, rng), *_short(g, start, edge, rng)]
+    for a, b in found:
+        yield from _in_digits(a, b)
+
+
+def _boundary(g: Callable[[Array], Array], start: Array, directions: int, rng: np.random.Generator) -> Array:
+    """Points just inside of where rays from a point of K leave it."""
+    ways = rng.normal(size=(directions, len(start)))
+    ways /= np.linalg.norm(ways, axis=1, keepdims=True)
+    rays = Rays(g, start, ways)
+    last, first = rays.left(_SIZES, _BITS)
+    return rays.at(last)[last < first]
+
+
+def _long(g: Callable[[Array], Array], start: Array, edge: Array, rng: np.random.Generator) -> Iterator[tuple[Array, Array]]:
+    """Between two points of the boundary, a little nearer to the inner point."""
+    a, b = (start + (1.0 - 1e-6) * (edge[rng.integers(len(edge), size=_PAIRS * len(edge))] - start) for _ in range(2))
+    above = np.minimum(g(0.5 * (a + b)), -np.maximum(g(a), g(b)))
+    for i in np.argsort(-above)[:_BEST]:
+        if above[i] > 0.0:
+            yield a[i], b[i]
+
+
+def _short(g: Callable[[Array], Array], start: Array, edge: Array, rng: np.random.Generator) -> Iterator[tuple[Array, Array]]:
+    """Along tangents, both ends on one level."""
+    size = float(np.median(np.linalg.norm(edge - start, axis=1)))
+    steps = 1e-6 * size * np.eye(edge.shape[1])
+    slopes = np.stack([(g(edge + s) - g(edge - s)) / (2e-6 * size) for s in steps], axis=1)
+    steep = np.linalg.norm(slopes, axis=1, keepdims=True)
+    edge, slopes, steep = (x[np.isfinite(steep[:, 0]) & (steep[:, 0] > 0.0)] for x in (edge, slopes, steep))
+    normal, noise = slopes / steep, _NOISE_OF_GRAPH * float(np.max(steep, initial=0.0)) * size
+    for k in range(1, _LENGTHS + 1):
+        along = rng.normal(size=edge.shape)
+        along -= normal * np.sum(along * normal, axis=1, keepdims=True)
+        along *= size * 2.0**-k / np.maximum(np.linalg.norm(along, axis=1, keepdims=True), 1e-300)
+        middle = edge
+        for _ in range(_TURNS):
+            ahead, behind = g(middle + along), g(middle - along)
+            along = along - normal * ((ahead - behind)[:, None] / (2.0 * steep))
+            middle = middle - normal * (0.5 * (ahead + behind)[:, None] / steep)
+        ends, above = np.maximum(g(middle + along), g(middle - along)), g(middle)
+        gap = np.where(np.isfinite(ends + above), above - ends, -np.inf)
+        middle = middle - normal * ((ends + 0.5 * gap)[:, None] / steep)
+        for i in np.argsort(-gap)[:_BEST]:
+            if gap[i] > noise:
+                yield middle[i] + along[i], middle[i] - along[i]
+
+
+def _in_digits(a: Array, b: Array) -> Iterator[tuple[Point, Point]]:
+    """The ends rounded to a few digits of the chord's length, then to more, then as they are."""
+    first = -int(np.floor(np.log10(np.max(np.abs(a - b)))))
+    p, q = (tuple(Fraction(float(x)) for x in end) for end in (a, b))
+    for digits in _DIGITS:
+        one, two = (tuple(round(x, first + digits) for x in end) for end in (p, q))
+        yield one, two
+    yield p, q
