@@ -381,11 +381,6 @@ def scales_with_the_pressure(law: StatedLaw, _: Evidence) -> bool:
     return is_cone(law.g, over(law).wider(law.pressure))
 
 
-def forces_resist(law: StatedLaw, _: Evidence) -> bool:
-    """The sum of force . rate is >= 0 for all rates."""
-    return over(law).never_negative(law.g)
-
-
 def forces_increase(law: StatedLaw, _: Evidence) -> bool:
     """Each force is a function of its own rate, C^1 in that, and does not decrease."""
     domain = over(law)
@@ -532,7 +527,8 @@ RULES: Mapping[tuple[str, str], RuleRow] = {
         "of the flow dissipate too (Koiter 1953)", True,
     ),
     ("dissipation", "resistance"): RuleRow(
-        _NONE, forces_resist, obligations.flow, "the forces as functions of the rates have sum of force . rate >= 0",
+        _NONE, lambda law, _: over(law).never_negative(law.g), obligations.flow,
+        "the forces as functions of the rates have sum of force . rate >= 0",
     ),
     ("normality", "monotone-resistance"): RuleRow(
         _NONE, forces_increase, obligations.flow,

@@ -29,7 +29,7 @@ from duhem.proof.kernel.domain import NEGATIVE, POSITIVE, StatedDomain
 from duhem.proof.kernel.forms import Row, affine, apart, at, degree_at_most, determinant, quadratic
 from duhem.proof.kernel.homogeneity import by_degree
 from duhem.proof.kernel.identity import in_order, multiplied_out, value, vanishes
-from duhem.proof.kernel.polynomial import Monomial, written
+from duhem.proof.kernel.polynomial import Monomial, solved, written
 from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.kernel.term import NotWritten, Term, factors, minus, number, product_of, sum_of
 
@@ -102,17 +102,18 @@ def measured(terms: Sequence[Term], unit: Term, domain: StatedDomain) -> Vector:
 
 def corners(faces: Sequence[Face], n: int) -> list[Vector]:
     """The corners, each once."""
-    solutions = (solved(chosen, n) for chosen in _chosen(faces, n))
-    return list(dict.fromkeys(point for free, point in solutions if not free and point is not None and within(point, faces)))
+    points = (_common_point(chosen, n) for chosen in _chosen(faces, n))
+    return list(dict.fromkeys(point for point in points if point is not None and within(point, faces)))
 
 
 def is_bounded(faces: Sequence[Face], n: int) -> bool:
     """Whether it is, and holds no line even if it is empty."""
-    if all(solved(chosen, n)[0] for chosen in _chosen(faces, n)):
+    if all(_common_point(chosen, n) is None for chosen in _chosen(faces, n)):
         return False
+    units: list[Face] = [(tuple(Fraction(i == k) for i in range(n)), Fraction(1)) for k in range(n)]
     for chosen in _chosen([(row, Fraction(0)) for row, _ in faces], n - 1):
-        free, _ = solved(chosen, n)
-        if len(free) == 1 and not {-1, 1} <= {(rise > 0) - (rise < 0) for rise in (dot(row, free[0]) for row, _ in faces)}:
+        way = next((found for unit in units if (found := _common_point([*chosen, unit], n)) is not None), None)  # on which they vanish
+        if way is not None and not {-1, 1} <= {(rise > 0) - (rise < 0) for rise in (dot(row, way) for row, _ in faces)}:
             return False
     return True
 
@@ -151,23 +152,10 @@ def _chosen(faces: Sequence[Face], n: int) -> Iterator[tuple[Face, ...]]:
     return combinations(faces, n)
 
 
-def solved(equations: Sequence[Face], n: int) -> tuple[list[Vector], Vector | None]:
-    """Directions along which every solution may be moved, and one solution if there is any, by elimination."""
-    left, done = [[*row, limit] for row, limit in equations], dict[int, list[Fraction]]()
-    for column in range(n):
-        pivot = next((row for row in left if row[column]), None)
-        if pivot is None:
-            continue
-        left = [_cleared(row, pivot, column) for row in left if row is not pivot]
-        done = {k: _cleared(row, pivot, column) for k, row in done.items()}
-        done[column] = [v / pivot[column] for v in pivot]
-    loose = [k for k in range(n) if k not in done]
-    free: list[Vector] = [tuple(Fraction(i == k) - (done[i][k] if i in done else 0) for i in range(n)) for k in loose]
-    return free, None if any(row[n] for row in left) else tuple(done[i][n] if i in done else Fraction(0) for i in range(n))
-
-
-def _cleared(row: list[Fraction], pivot: list[Fraction], column: int) -> list[Fraction]:
-    return [v - row[column] / pivot[column] * w for v, w in zip(row, pivot, strict=True)]
+def _common_point(faces: Sequence[Face], n: int) -> Vector | None:
+    """The one point that lies on all of the faces; None where there is none, or more than one."""
+    found = solved((dict(enumerate(row)), {(): limit} if limit else {}) for row, limit in faces)
+    return None if found is None or len(found) < n else tuple(found[i].get((), Fraction(0)) for i in range(n))
 
 
 def supports_polytope(

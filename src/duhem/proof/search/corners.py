@@ -204,7 +204,8 @@ def _planes(subject: FormulaSubject, parameters: Values, price: int) -> Iterator
     seen, rng, forces = scout(subject, parameters), random.Random(4), subject.simple.forces
     if seen.centre is None or not len(seen.boundary):
         return
-    still = _shears(subject.simple.g)
+    # What is 0 where the matrices in g are diagonal: there one sees which eigenvalue is the greatest.
+    still = {x for node in subject.simple.g.atoms(EigMax) for shear in node.args[3:] for x in shear.free_symbols}
     base = [Fraction(float(c)).limit_denominator(1000) * (x not in still) for x, c in zip(forces, seen.centre, strict=True)]
     units = [Fraction(2) ** math.frexp(max(abs(column), default=1))[1] for column in (seen.boundary - seen.centre).T]
     units = [unit * (x not in still) for x, unit in zip(forces, units, strict=True)]
@@ -214,11 +215,6 @@ def _planes(subject: FormulaSubject, parameters: Values, price: int) -> Iterator
         u, v = ([c * unit for c, unit in zip(_direction(rng, len(forces)), units, strict=True)] for _ in range(2))
         section = PlaneSection.through(forces, base, u, v)
         yield section, _turns(subject, parameters, section)
-
-
-def _shears(g: sp.Expr) -> set[sp.Symbol]:
-    """The forces that are 0 where the matrices in g are diagonal: there one sees which eigenvalue is the greatest."""
-    return {x for node in g.atoms(EigMax) for shear in node.args[3:] for x in shear.free_symbols}
 
 
 def _direction(rng: random.Random, dimension: int) -> Point:
