@@ -24,6 +24,7 @@ import sympy as sp
 from duhem.expression import EigMax, Norm, Where, defined_at, mpmath_
 from duhem.expression.balls import ball
 from duhem.expression.branches import Seam, jacobian, seams
+from duhem.expression.invariance import affine, largest_loads
 from duhem.expression.number import fraction, rational
 from duhem.expression.numpy_ import compiled
 from duhem.expression.rays import Rays, exits
@@ -33,10 +34,7 @@ from duhem.proof.facts.plane_section import PlaneSection, local_pieces
 from duhem.proof.facts.subject import Point, Values, rationals
 from duhem.proof.search.boundary_points import scout
 
-__all__ = [
-    "affine", "centred_choices", "crossings", "edges", "exact_rays", "greatest", "largest_loads", "loads_of", "section_corners",
-    "sharp_points",
-]  # fmt: skip
+__all__ = ["centred_choices", "crossings", "edges", "exact_rays", "greatest", "loads_of", "section_corners", "sharp_points"]
 
 _MOST, _NEAREST = 16, 2  # crossings of one seam; places nearest to it
 _MOST_EXPONENT = 10_000  # SymPy makes polynomials of so high a degree of a power: that took more than a minute
@@ -360,19 +358,6 @@ def loads_of(g: sp.Expr, forces: Collection[sp.Symbol]) -> Iterator[sp.Expr]:
 def greatest(g: sp.Expr) -> tuple[sp.Expr, ...]:
     """What a maximum is taken of; a formula that is none, alone."""
     return g.args if isinstance(g, sp.Max) else (g,)
-
-
-def affine(expr: sp.Expr, forces: Collection[sp.Symbol]) -> bool:
-    """Whether an expression is a load: of degree 1 in the forces."""
-    moving = sorted(expr.free_symbols & set(forces), key=str)
-    return bool(moving) and expr.is_polynomial(*moving) and sp.Poly(expr, *moving).total_degree() == 1
-
-
-def largest_loads(expr: sp.Basic, forces: Collection[sp.Symbol]) -> list[sp.Expr]:
-    """The parts of a formula that are loads and no part of a greater one."""
-    if isinstance(expr, sp.Expr) and affine(expr, forces):
-        return [expr]
-    return [load for a in expr.args if a.free_symbols & set(forces) for load in largest_loads(a, forces)]
 
 
 def edges(g: sp.Expr, forces: Sequence[sp.Symbol]) -> list[tuple[int, ...]]:

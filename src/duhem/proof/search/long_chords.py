@@ -25,6 +25,7 @@ import sympy as sp
 from numpy.typing import NDArray
 
 from duhem.expression import Norm
+from duhem.expression.invariance import affine, largest_loads
 from duhem.expression.number import fraction, rational
 from duhem.expression.numpy_ import compiled
 from duhem.expression.rays import Rays, first_exit
@@ -33,7 +34,7 @@ from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.facts.graph_subject import GraphSubject
 from duhem.proof.facts.subject import Point, Values
 from duhem.proof.search.boundary_points import Chord, lowest
-from duhem.proof.search.corners import affine, exact_rays, largest_loads
+from duhem.proof.search.corners import exact_rays
 from duhem.proof.search.margins import WALK, least_margin
 
 __all__ = ["chords_between_exact_rays", "chords_downhill", "chords_from_far_points", "graph_chords", "looked_between", "sampled_chords"]
