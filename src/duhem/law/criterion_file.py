@@ -597,14 +597,11 @@ def _text(law: Law, expr: sp.Basic) -> str:
 
 
 def _domain(domain: Domain, where: str) -> str:
-    if domain.value is not None:
-        return f"{{ value = {_decimal(domain.value, where)} }}"
-    ends = [f"max = {_decimal(domain.high, where)}"] if domain.high is not None else []
-    if domain.positive:
-        ends = ["positive = true", *ends]
-    elif domain.low is not None:
-        ends = [f"min = {_decimal(domain.low, where)}", *ends]
-    return f"{{ {', '.join(ends)} }}" if ends else "{}"
+    ends = {"min": None if domain.positive else domain.low, "max": domain.high}
+    numbers = ends if domain.value is None else {"value": domain.value}
+    said = ["positive = true"] if domain.positive and domain.value is None else []
+    said += [f"{key} = {_decimal(x, where)}" for key, x in numbers.items() if x is not None]
+    return f"{{ {', '.join(said)} }}" if said else "{}"
 
 
 def _decimal(x: sp.Rational, where: str) -> str:
