@@ -21,7 +21,7 @@ from duhem.errors import InputError, faults_at, meant
 from duhem.expression import WORDS, symbol
 from duhem.expression.abbreviations import INVARIANTS, Abbreviations, Indexed, Stress, component
 from duhem.expression.parse import parse_expression, parse_graph, parse_relation, too_long, written_out
-from duhem.expression.spelling import spelled
+from duhem.expression.syntax import spelled
 from duhem.expression.text import faithful
 from duhem.law.curve_law import ANGLE, Law, ParametricCriterion, closes
 from duhem.law.domain import POSITIVE, Domain, range_fault

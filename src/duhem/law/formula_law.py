@@ -26,7 +26,7 @@ from duhem.expression.build import greatest
 from duhem.expression.fold import Graph, Shared, graph_of
 from duhem.expression.number import inert_exponent
 from duhem.expression.parse import check_formula, check_size, own_text, parse_expression, parse_graph, too_long, written_out
-from duhem.expression.spelling import respelled, spelled
+from duhem.expression.syntax import respelled, spelled
 from duhem.expression.unevaluated import HASH, Verbatim
 from duhem.law.domain import POSITIVE, Domain, Domains, by_name, cover, range_fault
 from duhem.law.frozen_mapping import FrozenMapping
