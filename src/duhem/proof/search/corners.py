@@ -164,7 +164,8 @@ def _tips(subject: FormulaSubject, parameters: Values) -> Iterator[tuple[PlaneSe
 def _zero_lines(node: Any, forces: Sequence[sp.Symbol], rng: random.Random) -> Iterator[tuple[Point, Point]]:
     """Lines on which the squares in a norm or in a sum are all 0, each by a point and a direction."""
     squares = [c**2 for c in node.args] if isinstance(node, Norm) else [t for t in node.args if t.is_polynomial(*forces)]
-    under = sp.Add(*squares) if node.is_polynomial(*forces) else sp.Add(*(t for t in squares if _is_square(t)))
+    whole = node.is_polynomial(*forces)
+    under = sp.Add(*(t for t in squares if whole or any(f.is_Pow and f.exp == 2 for f in sp.Mul.make_args(t))))
     if not under.is_polynomial(*forces) or (form := sp.Poly(under, *forces)).total_degree() != 2 or form.domain not in (sp.ZZ, sp.QQ):
         return
     rows = sp.hessian(under, forces)
@@ -181,10 +182,6 @@ def _zero_lines(node: Any, forces: Sequence[sp.Symbol], rng: random.Random) -> I
         u = sum((s * v for s, v in zip(mixed, kernel, strict=True)), sp.zeros(len(forces), 1))
         if any(u):
             yield tuple(fraction(c) for c in centre), tuple(fraction(c) for c in u)
-
-
-def _is_square(term: sp.Expr) -> bool:
-    return any(f.is_Pow and f.exp == 2 for f in sp.Mul.make_args(term))
 
 
 def _zeros_along(h: sp.Expr, a: sp.Symbol, b: sp.Symbol) -> list[float]:

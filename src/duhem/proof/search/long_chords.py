@@ -148,9 +148,7 @@ def _along_rays(
         yield leave, entry, inner, farther
     n = len(directions)
     best: list[tuple[float, int, int]] = []
-    for step in (1, 2, 4, 8, 16, 32, 64, 100, 128, 180, 220, 256, 300):
-        if step >= n:
-            break
+    for step in (step for step in (1, 2, 4, 8, 16, 32, 64, 100, 128, 180, 220, 256, 300) if step < n):
         other = np.roll(boundary, -step, axis=0)
         heights = value((boundary + other) / 2)
         size = np.linalg.norm(other - boundary, axis=1)
