@@ -103,9 +103,12 @@ def almost_everywhere(expr: Any, place: Mapping[sp.Symbol, sp.Expr] = MappingPro
     return expr.func(*args)
 
 
-def thick(pieces: Iterable[Branch]) -> tuple[Branch, ...]:
-    """The branches with an inside; enough where the formula is known not to jump."""
-    return tuple(b for b in pieces if 0 not in b.signs.values())
+def thick(expr: sp.Basic, most: int = 64) -> tuple[Branch, ...] | None:
+    """The branches with an inside, enough where the formula is known not to jump; None where there are more than ``most`` branches."""
+    try:
+        return tuple(b for b in branches(expr, most) if 0 not in b.signs.values())
+    except TooManyBranchesError:
+        return None
 
 
 def _capped(found: Iterable[Branch | None], most: int) -> tuple[Branch, ...]:

@@ -227,6 +227,14 @@ class DeclaredLaw(Verbatim, Shown):
         """The symbols of the forces, in order."""
         return tuple(symbol(name) for name in self.forces)
 
+    def free(self) -> dict[sp.Symbol, Domain]:
+        """The parameters that are not fixed, in order, with their domains."""
+        return {domain.symbol(name): domain for name, domain in self.parameters.items() if domain.value is None}
+
+    def fixed_values(self) -> dict[sp.Symbol, sp.Rational]:
+        """The parameters that are, with their values."""
+        return {domain.symbol(name): domain.value for name, domain in self.parameters.items() if domain.value is not None}
+
     def _declared(self, *more: str) -> dict[str, sp.Symbol]:
         """Every declared name with its symbol: forces, pressure, what is declared besides, parameters."""
         table = {name: symbol(name, nonpositive=True) if name == self.pressure else symbol(name) for name in (*self.coordinates, *more)}
@@ -469,8 +477,7 @@ class Criterion(DeclaredLaw):
     def settled(self) -> dict[sp.Symbol, sp.Expr]:
         """The fixed parameters with the numbers to put in their places; exponents as numbers that SymPy leaves alone."""
         exponents = {x for power in self.g.atoms(sp.Pow) for x in power.exp.free_symbols}
-        fixed = {self.symbols()[name]: domain.value for name, domain in self.parameters.items() if domain.value is not None}
-        return {x: inert_exponent(value) if x in exponents else value for x, value in fixed.items()}
+        return {x: inert_exponent(value) if x in exponents else value for x, value in self.fixed_values().items()}
 
     def fix(self, values: Mapping[str, Any] | None) -> Criterion:
         """The same law with some parameters fixed; a value outside its domain is an error."""

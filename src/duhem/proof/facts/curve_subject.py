@@ -226,7 +226,7 @@ class CurveSubject(Subject):
     def check_defined(self) -> None:
         """Raise InputError where the boundary or the flow has no value for admitted parameter values, whatever the angle."""
         for values in self.choices(_LOOKED_AT):
-            at = {**self.fixed, **rationals(values)}
+            at = {**self.law.fixed_values(), **rationals(values)}
             for what, symbols in self._without_value(at):
                 named = ", ".join(f"{x} = {at[x]}" for x in sorted(symbols, key=str))
                 raise InputError(f"{what} has no value{f' at {named}' if named else ''}", where=self.law.name, remedy=_REMEDY)
@@ -272,7 +272,7 @@ class CurveSubject(Subject):
         return expr.xreplace({sp.cos(turn): self.cosine, sp.sin(turn): sine})
 
     def _here(self, expr: sp.Expr) -> sp.Expr:
-        return expr.xreplace(dict(self.fixed))
+        return expr.xreplace(self.law.fixed_values())
 
     @cached_property
     def _stated(self) -> tuple[tuple[str, tuple[Obligation, ...]], ...]:
