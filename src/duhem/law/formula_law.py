@@ -228,11 +228,11 @@ class DeclaredLaw(Verbatim, Shown):
         return tuple(symbol(name) for name in self.forces)
 
     def free(self) -> dict[sp.Symbol, Domain]:
-        """The parameters that are not fixed, in order, with their domains."""
+        """The free parameters, that is those without a value, in order, with their domains."""
         return {domain.symbol(name): domain for name, domain in self.parameters.items() if domain.value is None}
 
     def fixed_values(self) -> dict[sp.Symbol, sp.Rational]:
-        """The parameters that are, with their values."""
+        """The fixed parameters, in order, with their values."""
         return {domain.symbol(name): domain.value for name, domain in self.parameters.items() if domain.value is not None}
 
     def _declared(self, *more: str) -> dict[str, sp.Symbol]:

@@ -34,7 +34,7 @@ from duhem.proof.facts.plane_section import PlaneSection, local_pieces
 from duhem.proof.facts.subject import Point, Values, rationals
 from duhem.proof.search.boundary_points import scout
 
-__all__ = ["centred_choices", "crossings", "edges", "exact_rays", "greatest", "loads_of", "section_corners", "sharp_points"]
+__all__ = ["centred_choices", "crossings", "edges", "exact_rays", "greatest", "loads_of", "quadratic", "section_corners", "sharp_points"]
 
 _MOST, _NEAREST = 16, 2  # crossings of one seam; places nearest to it
 _MOST_EXPONENT = 10_000  # SymPy makes polynomials of so high a degree of a power: that took more than a minute
@@ -166,14 +166,10 @@ def _zero_lines(node: Any, forces: Sequence[sp.Symbol], rng: random.Random) -> I
     squares = [c**2 for c in node.args] if isinstance(node, Norm) else [t for t in node.args if t.is_polynomial(*forces)]
     whole = node.is_polynomial(*forces)
     under = sp.Add(*(t for t in squares if whole or any(f.is_Pow and f.exp == 2 for f in sp.Mul.make_args(t))))
-    if not under.is_polynomial(*forces) or (form := sp.Poly(under, *forces)).total_degree() != 2 or form.domain not in (sp.ZZ, sp.QQ):
-        return
-    rows = sp.hessian(under, forces)
-    slope = sp.Matrix([sp.diff(under, x).subs(dict.fromkeys(forces, 0)) for x in forces])
-    if not (kernel := rows.nullspace()):
+    if (found := quadratic(under, forces)) is None or not (kernel := found[0].nullspace()):
         return
     try:
-        base = rows.gauss_jordan_solve(-slope)
+        base = found[0].gauss_jordan_solve(-found[1])
     except ValueError:  # it has no least value
         return
     centre = base[0].subs(dict.fromkeys(base[1], 0))
@@ -182,6 +178,14 @@ def _zero_lines(node: Any, forces: Sequence[sp.Symbol], rng: random.Random) -> I
         u = sum((s * v for s, v in zip(mixed, kernel, strict=True)), sp.zeros(len(forces), 1))
         if any(u):
             yield tuple(fraction(c) for c in centre), tuple(fraction(c) for c in u)
+
+
+def quadratic(expr: sp.Expr, forces: Sequence[sp.Symbol]) -> tuple[sp.Matrix, sp.Matrix] | None:
+    """Second derivatives, and first ones at zero force, of a polynomial of degree 2 with fractions; None for any other formula."""
+    if not expr.is_polynomial(*forces) or (form := sp.Poly(expr, *forces)).total_degree() != 2 or form.domain not in (sp.ZZ, sp.QQ):
+        return None
+    slope = sp.Matrix([form.diff(x)(*(0 for _ in forces)) for x in forces])
+    return sp.hessian(form.as_expr(), forces), slope
 
 
 def _zeros_along(h: sp.Expr, a: sp.Symbol, b: sp.Symbol) -> list[float]:
@@ -305,9 +309,9 @@ def centred_choices(subject: FormulaSubject) -> Iterator[Values]:
 
 def _centre(g: sp.Expr, forces: Sequence[sp.Symbol]) -> Iterator[Point]:
     """That of a quadratic g, where g is 0 there."""
-    if g.is_polynomial(*forces) and (form := sp.Poly(g, *forces)).total_degree() == 2 and form.domain in (sp.ZZ, sp.QQ):
-        matrix, row = sp.hessian(g, forces), sp.Matrix([sp.diff(g, x).subs(dict.fromkeys(forces, 0)) for x in forces])
-        if matrix.det() and not form(*(centre := tuple(-matrix.LUsolve(row)))):
+    if (found := quadratic(g, forces)) is not None and found[0].det():
+        centre = -found[0].LUsolve(found[1])
+        if g.xreplace(dict(zip(forces, centre, strict=True))).is_zero:
             yield tuple(map(fraction, centre))
 
 

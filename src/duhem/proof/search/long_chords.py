@@ -34,7 +34,7 @@ from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.facts.graph_subject import GraphSubject
 from duhem.proof.facts.subject import Point, Values
 from duhem.proof.search.boundary_points import Chord, lowest
-from duhem.proof.search.corners import exact_rays
+from duhem.proof.search.corners import exact_rays, quadratic
 from duhem.proof.search.margins import WALK, least_margin
 
 __all__ = ["chords_between_exact_rays", "chords_downhill", "chords_from_far_points", "graph_chords", "looked_between", "sampled_chords"]
@@ -245,16 +245,15 @@ def _diameters(g: sp.Expr, forces: Sequence[sp.Symbol]) -> Iterator[_Diameter]:
     """Of each ellipsoid, through where it touches the planes on which the loads of other parts are constant."""
     seen = set[_Diameter]()
     for part in g.args if isinstance(g, sp.Max) else ():
-        square = _square(part, forces)
         rows = [row for other in g.args if other is not part for row in _rows(other, forces)]
-        for diameter in _across(square, rows, forces) if square is not None and rows else ():
+        for diameter in _across(_square(part, forces), rows, forces):
             if diameter not in seen and len(seen) < _DIAMETERS:
                 seen.add(diameter)
                 yield diameter
 
 
-def _square(part: sp.Expr, forces: Sequence[sp.Symbol]) -> sp.Poly | None:
-    """A quadratic polynomial with fractions that is <= 0 where the part is: of norm(...) - r, sqrt(q) - r or itself."""
+def _square(part: sp.Expr, forces: Sequence[sp.Symbol]) -> sp.Expr:
+    """What is <= 0 where the part is, and quadratic if possible: of norm(...) - r, sqrt(q) - r or itself."""
     still, moving = part.as_independent(*forces, as_Add=True)
     scale, size = moving.as_independent(*forces, as_Add=False)
     if not moving.is_Add and scale.is_positive and still.is_negative:
@@ -262,10 +261,7 @@ def _square(part: sp.Expr, forces: Sequence[sp.Symbol]) -> sp.Poly | None:
             part = sp.Add(*(a**2 for a in size.args)) - (still / scale) ** 2
         elif size.is_Pow and size.exp == sp.S.Half:
             part = size.base - (still / scale) ** 2
-    if not part.is_polynomial(*forces):
-        return None
-    poly = sp.Poly(part, *forces)
-    return poly if poly.total_degree() == 2 and poly.domain in (sp.ZZ, sp.QQ) else None
+    return part
 
 
 def _rows(part: sp.Expr, forces: Sequence[sp.Symbol]) -> Iterator[tuple[sp.Rational, ...]]:
@@ -278,16 +274,13 @@ def _rows(part: sp.Expr, forces: Sequence[sp.Symbol]) -> Iterator[tuple[sp.Ratio
             yield tuple(c / first for c in row)
 
 
-def _across(square: sp.Poly, rows: Sequence[tuple[sp.Rational, ...]], forces: Sequence[sp.Symbol]) -> Iterator[_Diameter]:
+def _across(square: sp.Expr, rows: Sequence[tuple[sp.Rational, ...]], forces: Sequence[sp.Symbol]) -> Iterator[_Diameter]:
     """The diameters, if {square <= 0} is an ellipsoid."""
-    matrix = sp.hessian(square.as_expr(), forces) / 2
-    if not matrix.is_positive_definite:
+    if not rows or (found := quadratic(square, forces)) is None or not found[0].is_positive_definite:
         return
-    zero = dict.fromkeys(forces, sp.S.Zero)
-    slope = sp.Matrix([sp.diff(square.as_expr(), x).xreplace(zero) for x in forces])
-    inverse = matrix.inv()
-    centre = -inverse * slope / 2
-    level = -square.as_expr().xreplace(dict(zip(forces, centre, strict=True)))
+    inverse = 2 * found[0].inv()
+    centre = -inverse * found[1] / 2
+    level = -square.xreplace(dict(zip(forces, centre, strict=True)))
     for row in dict.fromkeys(rows):
         way = inverse * sp.Matrix(row)
         square_of_way = (sp.Matrix(row).T * way)[0]
