@@ -7,7 +7,7 @@ import pytest
 
 import duhem
 from duhem import POSITIVE, Criterion, Domain, InputError
-from duhem.expression.spelling import spelled
+from duhem.expression.syntax import spelled
 from duhem.law import criterion_file
 from duhem.path import scene_file
 from duhem.proof.kernel import certificate as kernel

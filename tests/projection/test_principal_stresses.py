@@ -9,8 +9,7 @@ import pytest
 from mpmath import MPContext
 
 import duhem
-from duhem.projection.increment import increment
-from duhem.projection.principal_stresses import principal
+from duhem.projection.increment import increment, principal
 from duhem.projection.result import Status
 
 mp = MPContext()

@@ -18,12 +18,11 @@ from duhem.expression.parse import parse_as_written
 from duhem.proof.decide import EFFORTS
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.kernel import boxes
-from duhem.proof.kernel.boxes import convex_in_its_box
+from duhem.proof.kernel.boxes import TaylorForm, coefficients, convex_in_its_box
 from duhem.proof.kernel.claims import objection
 from duhem.proof.kernel.constant_value import BITS, Enclosure
 from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.kernel.steps import TooDearError, within
-from duhem.proof.kernel.taylor import TaylorForm, coefficients
 from duhem.proof.kernel.term import NotWritten, Term, parse
 from duhem.proof.methods.evidence import convexity_in_a_box
 

@@ -8,8 +8,8 @@ from fractions import Fraction
 import pytest
 
 from duhem.proof.kernel.pieces import CHOICES, below, chooses, pieces
-from duhem.proof.kernel.polyhedron import Face, corners, is_bounded, least_of_greatest, measured, polyhedra, union_is_convex, within
 from duhem.proof.kernel.regularity import smooth_near_the_boundary
+from duhem.proof.kernel.support import Face, corners, is_bounded, least_of_greatest, measured, polyhedra, union_is_convex, within
 from duhem.proof.kernel.term import NotWritten, parse
 from tests.proof.small_laws import domain
 

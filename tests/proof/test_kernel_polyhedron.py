@@ -9,8 +9,8 @@ from typing import Any
 import pytest
 
 from duhem.proof.kernel.claims import objection
-from duhem.proof.kernel.polyhedron import Face, corners, is_bounded, union_is_convex
 from duhem.proof.kernel.stated_law import StatedLaw
+from duhem.proof.kernel.support import Face, corners, is_bounded, union_is_convex
 
 
 def convex(g: str, forces: tuple[str, ...] = ("a", "b"), **parameters: Any) -> bool:

@@ -186,7 +186,7 @@ def read_pair(text: str, where: str, form: str, example: str) -> tuple[str, str]
 def read_settings(settings: Sequence[str], law: Law | None = None) -> dict[str, Rational]:
     """The values of ``--set``, exactly, and as ``law`` admits them."""
     from duhem.expression.number import exact_number
-    from duhem.expression.spelling import spelled
+    from duhem.expression.syntax import spelled
 
     values: dict[str, Rational] = {}
     for setting in settings:

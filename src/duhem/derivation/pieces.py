@@ -17,7 +17,7 @@ import sympy as sp
 
 from duhem.derivation.support_function import BITS, ROUGH, finite, sample_values
 from duhem.expression import mpmath_
-from duhem.expression.branches import Branch, TooManyBranchesError, branches, thick
+from duhem.expression.branches import Branch, thick
 from duhem.expression.mpmath_ import reach
 from duhem.expression.vocabulary import Norm
 from duhem.law.formula_law import Criterion
@@ -63,9 +63,7 @@ class Seams:
 
 def pieces(law: Criterion) -> Pieces | None:
     """The branches of g with an inside, or None where they are too many to print."""
-    try:
-        found = thick(branches(law.g, most=MOST))
-    except TooManyBranchesError:
+    if (found := thick(law.g, MOST)) is None:
         return None
     forces = law.force_symbols()
     order = list(dict.fromkeys(switch for b in found for switch in b.signs))

@@ -192,11 +192,9 @@ def finite(values: list[Any]) -> list[Any]:
 def sample_values(law: Criterion, requires: Sequence[sp.Expr], random: Random, count: int) -> Iterator[dict[sp.Symbol, sp.Rational]]:
     """Rational values of pressure and free parameters inside the domain, the constraints and ``requires``."""
     symbols = law.symbols()
-    names = [name for name, domain in law.parameters.items() if domain.value is None]
     found = 0
     for _ in range(200 * count):
-        values = {symbols[name]: _inside(law.parameters[name], random) for name in names}
-        values |= {symbols[name]: domain.value for name, domain in law.parameters.items() if domain.value is not None}
+        values = {x: _inside(domain, random) for x, domain in law.free().items()} | law.fixed_values()
         if law.pressure is not None:
             values[symbols[law.pressure]] = -sp.Rational(random.randint(1, 40), random.randint(1, 12))
         if all(holds_at(relation, values) for relation in (*law.constraints, *(r > 0 for r in requires))):

@@ -27,8 +27,7 @@ from typing import NamedTuple, NoReturn
 
 from duhem.errors import InputError
 from duhem.expression.number import DECIMAL
-from duhem.expression.spelling import spelled
-from duhem.expression.syntax import expression_tree
+from duhem.expression.syntax import expression_tree, spelled
 from duhem.expression.vocabulary import nested
 
 __all__ = ["INVARIANTS", "KINDS", "NONE", "Abbreviations", "Indexed", "Stress", "WrittenOut", "WrittenOver", "component", "names_in"]

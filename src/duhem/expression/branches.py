@@ -61,16 +61,9 @@ def oriented(switch: sp.Expr) -> tuple[sp.Expr, int]:
     Positive factors are dropped, so that ``sigma_a`` and ``sigma_a/mu`` are one switch.
     """
     number, rest = switch.as_coeff_Mul()
-    sign = -1 if number.is_negative else 1
-    kept = []
-    for factor in sp.Mul.make_args(rest):
-        if factor.is_positive:
-            continue
-        if factor.is_negative:
-            sign = -sign
-            continue
-        kept.append(factor)
-    core = sp.Mul(*kept)
+    factors = [factor for factor in sp.Mul.make_args(rest) if not factor.is_positive]
+    sign = (-1) ** sum(factor.is_negative is True for factor in (number, *factors))
+    core = sp.Mul(*(factor for factor in factors if not factor.is_negative))
     if core.is_Add and core.could_extract_minus_sign():
         core, sign = -core, -sign
     return core, sign
@@ -82,7 +75,7 @@ def branches(expr: sp.Basic, most: int = 64) -> tuple[Branch, ...]:
     wheres = expr.has(Where)  # then what holds only where a switch is 0 must be kept
 
     def row(made: Callable[..., Iterable[Branch | None]]) -> Callable[..., tuple[Branch, ...]]:
-        return lambda node, *values: _capped((b for parts in _joint(values, wheres) for b in made(node, parts, wheres)), most)
+        return lambda node, *values: _capped((b for where, parts in _joint(values, wheres) for b in made(node, where, parts, wheres)), most)
 
     class _Table(dict[type, Callable[..., tuple[Branch, ...]]]):
         def get(self, key: Any, default: Any = None) -> Any:
@@ -110,27 +103,29 @@ def almost_everywhere(expr: Any, place: Mapping[sp.Symbol, sp.Expr] = MappingPro
     return expr.func(*args)
 
 
-def thick(pieces: Iterable[Branch]) -> tuple[Branch, ...]:
-    """The branches with an inside; enough where the formula is known not to jump."""
-    return tuple(b for b in pieces if 0 not in b.signs.values())
+def thick(expr: sp.Basic, most: int = 64) -> tuple[Branch, ...] | None:
+    """The branches with an inside, enough where the formula is known not to jump; None where there are more than ``most`` branches."""
+    try:
+        return tuple(b for b in branches(expr, most) if 0 not in b.signs.values())
+    except TooManyBranchesError:
+        return None
 
 
 def _capped(found: Iterable[Branch | None], most: int) -> tuple[Branch, ...]:
     kept: dict[tuple[Any, ...], Branch] = {}
-    for branch in found:
-        if branch is None:
-            continue
+    for branch in filter(None, found):
         kept.setdefault((frozenset(branch.signs.items()), branch.apart, branch.expr), branch)
         if len(kept) > most:
             raise TooManyBranchesError(f"more than {most} branches")
     return tuple(kept.values())
 
 
-def _joint(values: Sequence[tuple[Branch, ...]], thin: bool) -> list[tuple[Branch, ...]]:
-    """One branch of each argument, wherever all hold together: what contradicts itself early is not multiplied further."""
-    found: list[tuple[Branch, ...]] = [()]
+def _joint(values: Sequence[tuple[Branch, ...]], thin: bool) -> list[tuple[Branch, tuple[Branch, ...]]]:
+    """Where one branch of each argument holds together, and these: what contradicts itself early is not multiplied further."""
+    found = [(Branch({}, None), tuple[Branch, ...]())]
     for own in values:
-        found = [(*parts, one) for parts in found for one in own if _together((*parts, one), thin) is not None]
+        more = ((*parts, one) for _, parts in found for one in own)
+        found = [(where, parts) for parts in more if (where := _together(parts, thin)) is not None]
     return found
 
 
@@ -152,10 +147,7 @@ def _left_alone(exponent: sp.Expr) -> sp.Expr:
     return InertNumber(exponent) if exponent.is_Rational and max(abs(exponent.p), exponent.q) > _MOST_DEGREE else exponent
 
 
-def _rebuilt(node: sp.Basic, parts: tuple[Branch, ...], thin: bool) -> Iterable[Branch | None]:
-    where = _together(parts, thin)
-    if where is None:
-        return
+def _rebuilt(node: sp.Basic, where: Branch, parts: tuple[Branch, ...], thin: bool) -> Iterable[Branch | None]:
     expr = node.func(*(_left_alone(p.expr) if node.is_Pow and p is parts[1] else p.expr for p in parts))
     if not expr.has(sp.Abs):
         yield replace(where, expr=expr)
@@ -193,10 +185,7 @@ def _with(where: Branch, more: Iterable[tuple[sp.Expr, int]], expr: sp.Expr, thi
     return Branch(joint, expr, apart=frozenset(apart))
 
 
-def _split(node: sp.Basic, parts: tuple[Branch, ...], thin: bool) -> Iterable[Branch | None]:
-    where = _together(parts, thin)
-    if where is None:
-        return
+def _split(node: sp.Basic, where: Branch, parts: tuple[Branch, ...], thin: bool) -> Iterable[Branch | None]:
     values = [p.expr for p in parts]
     if isinstance(node, sp.Abs | Pos | Neg):
         slope, below = (1, -values[0]) if isinstance(node, sp.Abs) else (node.slope, sp.S.Zero)

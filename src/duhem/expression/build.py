@@ -100,9 +100,8 @@ def total(plus: Sequence[sp.Expr], minus: Sequence[sp.Expr]) -> sp.Expr:
 
 def product(over: Sequence[sp.Expr], under: Sequence[sp.Expr], sign: int = 1) -> sp.Expr:
     """Product of ``over`` divided by the product of ``under``; a divisor that is zero raises InputError."""
-    for x in under:
-        if _is_zero(x):
-            raise InputError("division by zero", remedy="correct the divisor")
+    if any(map(_is_zero, under)):
+        raise InputError("division by zero", remedy="correct the divisor")
     _bound_bits(sum(_bits(x) for x in (*over, *under)))
     return _checked(sp.Mul(sp.Integer(sign), *over, *(sp.Pow(x, -1) for x in under)))
 

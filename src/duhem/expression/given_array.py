@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from duhem.errors import InputError
-from duhem.expression.spelling import spelled
+from duhem.expression.syntax import spelled
 
 __all__ = ["check_rows", "columns", "in_order", "reals", "unlabelled", "unmasked"]
 

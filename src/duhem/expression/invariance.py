@@ -1,8 +1,11 @@
-"""Motions of the forces that do not change g: along directions, in which K is a cylinder over a smaller set, and rotations of a stress."""
+"""Motions of the forces that do not change g: along directions, in which K is a cylinder over a smaller set, and rotations of a stress.
+
+Along a direction nothing changes where none of the loads in g does, which are affine in the forces: g is a function of the largest ones.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from itertools import permutations
 from typing import Any
 
@@ -21,7 +24,7 @@ def invariant_directions(g: sp.Expr, forces: Sequence[sp.Symbol]) -> list[tuple[
     """
     polynomial, found = g.is_polynomial(*forces), list[sp.Matrix]()
     if not polynomial or any(part.has(sp.Add) for part in sp.Add.make_args(g)):  # multiplied out the second says all
-        matrix = sp.Matrix([[sp.diff(p, x) for x in forces] for p in _affine_parts(g, forces)])
+        matrix = sp.Matrix([[sp.diff(p, x) for x in forces] for p in dict.fromkeys(largest_loads(g, forces))])
         found = [v for v in matrix.nullspace() if all(c.is_Rational for c in v)]
     return [tuple(v / sp.gcd(tuple(v))) for v in found or (_flat(g, forces) if polynomial else ())]
 
@@ -42,24 +45,17 @@ def _flat(g: sp.Expr, forces: Sequence[sp.Symbol]) -> list[sp.Matrix]:
     return list(reduced.to_Matrix()[: len(pivots), :].nullspace()) if len(pivots) < len(forces) else []
 
 
-def _affine_parts(g: sp.Expr, forces: Sequence[sp.Symbol]) -> list[sp.Expr]:
-    """The largest sub-expressions that are affine in the forces with constant coefficients; g is a function of them."""
-    parts: dict[sp.Expr, None] = {}
-    stack = [g]
-    while stack:
-        node = stack.pop()
-        if not node.free_symbols & set(forces):
-            continue
-        if node.is_Symbol or (isinstance(node, sp.Expr) and not node.is_Pow and _degree(node, forces) == 1):
-            parts.setdefault(node)
-        else:
-            stack.extend(node.args)
-    return list(parts)
+def affine(expr: sp.Expr, forces: Collection[sp.Symbol]) -> bool:
+    """Whether an expression is a load: of degree 1 in the forces."""
+    moving = sorted(expr.free_symbols & set(forces), key=str)
+    return bool(moving) and expr.is_polynomial(*moving) and sp.Poly(expr, *moving).total_degree() == 1
 
 
-def _degree(node: sp.Expr, forces: Sequence[sp.Symbol]) -> int | None:
-    """As a polynomial in the forces; None for what is none."""
-    return int(sp.Poly(node, *forces).total_degree()) if node.is_polynomial(*forces) else None
+def largest_loads(expr: sp.Basic, forces: Collection[sp.Symbol]) -> list[sp.Expr]:
+    """The parts of a formula that are loads and no part of a greater one."""
+    if isinstance(expr, sp.Expr) and affine(expr, forces):
+        return [expr]
+    return [load for a in expr.args if a.free_symbols & set(forces) for load in largest_loads(a, forces)]
 
 
 def shears_of_isotropic(g: sp.Expr, forces: Sequence[sp.Symbol]) -> tuple[sp.Symbol, ...] | None:

@@ -123,11 +123,6 @@ def _power(node: Any, base: Any, exponent: Any) -> Any:
     return np.power(base, exponent)
 
 
-def _norm(_: Any, first: Any, *others: Any) -> Any:
-    """By hypot, so that squares of large or small arguments neither overflow nor vanish."""
-    return reduce(np.hypot, others, np.abs(first))
-
-
 def _pnorm(_: Any, p: Any, *args: Any) -> Any:
     """Relative to the largest argument: its p-th power alone may overflow, or all of them vanish."""
     sizes = [np.abs(x) for x in args]
@@ -172,7 +167,7 @@ TABLE: Table[Any] = {
     sp.Max: lambda _, *x: reduce(np.maximum, x),
     Pos: lambda _, x: np.maximum(x, 0.0),
     Neg: lambda _, x: np.maximum(np.negative(x), 0.0),
-    Norm: _norm,
+    Norm: lambda _, *x: reduce(np.hypot, x[1:], np.abs(x[0])),  # squares of large or small arguments neither overflow nor vanish
     PNorm: _pnorm,
     Where: lambda _, condition, a, b: np.where(np.isnan(condition), np.nan, np.where(condition == 1.0, a, b)),
     **{kind: partial(_comparison, compare) for kind, compare in COMPARED.items()},

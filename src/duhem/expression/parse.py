@@ -25,8 +25,7 @@ from duhem.expression.abbreviations import INVARIANTS, NONE, Abbreviations, Writ
 from duhem.expression.build import AS_WRITTEN, EVALUATED, IN_RANGE, UNMADE, Building, settled, unacceptable
 from duhem.expression.fold import Graph, Shared, fold
 from duhem.expression.number import DECIMAL, exact_number
-from duhem.expression.spelling import spelled
-from duhem.expression.syntax import expression_tree
+from duhem.expression.syntax import expression_tree, spelled
 from duhem.expression.vocabulary import MOST_ARGUMENTS, NODES, WORDS, symbol
 
 __all__ = [

@@ -1,11 +1,16 @@
-"""Syntax trees of texts, for threads too."""
+"""Texts as Python's parser reads them: syntax trees, made by one thread at a time, and names, of which Unicode has several spellings."""
 
 from __future__ import annotations
 
 import ast
+from collections.abc import Mapping
 from threading import RLock
+from typing import Any
+from unicodedata import normalize
 
-__all__ = ["expression_tree", "module_tree"]
+from duhem.errors import InputError
+
+__all__ = ["expression_tree", "module_tree", "respelled", "spelled"]
 
 _TURN = RLock()
 """CPython counts how deep a tree is that it makes in one place for all threads; another thread may come in while it makes one, with the
@@ -22,3 +27,24 @@ def expression_tree(text: str) -> ast.expr:
     """The one expression that a text is; raises what ``ast.parse`` raises."""
     with _TURN:
         return ast.parse(text, mode="eval").body
+
+
+# -- names -------------------------------------------------------------------------------------------------------------
+
+
+def spelled(name: Any) -> Any:
+    """A name in its normal form NFKC (Unicode Standard Annex 31): the micro sign is a mu, wide letters are letters.
+
+    What is no name stays what it is, so that it is refused as it was written.
+    """
+    return normalize("NFKC", name) if isinstance(name, str) and name.isidentifier() else name
+
+
+def respelled(given: Mapping[Any, Any], where: str) -> dict[Any, Any]:
+    """``given`` by names in their normal form; InputError where two of them are one."""
+    made = {spelled(name): value for name, value in given.items()}
+    if len(made) < len(given):
+        names = [spelled(name) for name in given]
+        twice = next(name for name in names if names.count(name) > 1)
+        raise InputError(f"{twice!r} is given twice, in two spellings", where=where, remedy="give it once")
+    return made

@@ -21,7 +21,7 @@ from duhem.errors import InputError, faults_at, meant
 from duhem.expression import WORDS, symbol
 from duhem.expression.abbreviations import INVARIANTS, Abbreviations, Indexed, Stress, component
 from duhem.expression.parse import parse_expression, parse_graph, parse_relation, too_long, written_out
-from duhem.expression.spelling import spelled
+from duhem.expression.syntax import spelled
 from duhem.expression.text import faithful
 from duhem.law.curve_law import ANGLE, Law, ParametricCriterion, closes
 from duhem.law.domain import POSITIVE, Domain, range_fault
@@ -597,14 +597,11 @@ def _text(law: Law, expr: sp.Basic) -> str:
 
 
 def _domain(domain: Domain, where: str) -> str:
-    if domain.value is not None:
-        return f"{{ value = {_decimal(domain.value, where)} }}"
-    ends = [f"max = {_decimal(domain.high, where)}"] if domain.high is not None else []
-    if domain.positive:
-        ends = ["positive = true", *ends]
-    elif domain.low is not None:
-        ends = [f"min = {_decimal(domain.low, where)}", *ends]
-    return f"{{ {', '.join(ends)} }}" if ends else "{}"
+    ends = {"min": None if domain.positive else domain.low, "max": domain.high}
+    numbers = ends if domain.value is None else {"value": domain.value}
+    said = ["positive = true"] if domain.positive and domain.value is None else []
+    said += [f"{key} = {_decimal(x, where)}" for key, x in numbers.items() if x is not None]
+    return f"{{ {', '.join(said)} }}" if said else "{}"
 
 
 def _decimal(x: sp.Rational, where: str) -> str:

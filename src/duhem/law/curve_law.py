@@ -19,7 +19,7 @@ from sympy.core.relational import Relational
 from duhem.errors import InputError
 from duhem.expression import symbol
 from duhem.expression.abbreviations import NONE
-from duhem.expression.spelling import spelled
+from duhem.expression.syntax import spelled
 from duhem.law.domain import POSITIVE, Domain, Domains
 from duhem.law.formula_law import FORCES, PRESSURE, Criterion, DeclaredLaw, as_expression, swapped
 from duhem.law.frozen_mapping import FrozenMapping

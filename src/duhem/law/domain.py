@@ -13,7 +13,7 @@ from sympy.core.relational import Relational
 from duhem.errors import InputError
 from duhem.expression import symbol
 from duhem.expression.number import exact_number, nearest_double
-from duhem.expression.spelling import respelled
+from duhem.expression.syntax import respelled
 from duhem.law.frozen_mapping import FrozenMapping
 
 __all__ = ["POSITIVE", "REAL", "Domain", "Domains", "by_name", "cover", "range_fault"]

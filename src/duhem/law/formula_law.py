@@ -26,7 +26,7 @@ from duhem.expression.build import greatest
 from duhem.expression.fold import Graph, Shared, graph_of
 from duhem.expression.number import inert_exponent
 from duhem.expression.parse import check_formula, check_size, own_text, parse_expression, parse_graph, too_long, written_out
-from duhem.expression.spelling import respelled, spelled
+from duhem.expression.syntax import respelled, spelled
 from duhem.expression.unevaluated import HASH, Verbatim
 from duhem.law.domain import POSITIVE, Domain, Domains, by_name, cover, range_fault
 from duhem.law.frozen_mapping import FrozenMapping
@@ -226,6 +226,14 @@ class DeclaredLaw(Verbatim, Shown):
     def force_symbols(self) -> tuple[sp.Symbol, ...]:
         """The symbols of the forces, in order."""
         return tuple(symbol(name) for name in self.forces)
+
+    def free(self) -> dict[sp.Symbol, Domain]:
+        """The free parameters, that is those without a value, in order, with their domains."""
+        return {domain.symbol(name): domain for name, domain in self.parameters.items() if domain.value is None}
+
+    def fixed_values(self) -> dict[sp.Symbol, sp.Rational]:
+        """The fixed parameters, in order, with their values."""
+        return {domain.symbol(name): domain.value for name, domain in self.parameters.items() if domain.value is not None}
 
     def _declared(self, *more: str) -> dict[str, sp.Symbol]:
         """Every declared name with its symbol: forces, pressure, what is declared besides, parameters."""
@@ -469,8 +477,7 @@ class Criterion(DeclaredLaw):
     def settled(self) -> dict[sp.Symbol, sp.Expr]:
         """The fixed parameters with the numbers to put in their places; exponents as numbers that SymPy leaves alone."""
         exponents = {x for power in self.g.atoms(sp.Pow) for x in power.exp.free_symbols}
-        fixed = {self.symbols()[name]: domain.value for name, domain in self.parameters.items() if domain.value is not None}
-        return {x: inert_exponent(value) if x in exponents else value for x, value in fixed.items()}
+        return {x: inert_exponent(value) if x in exponents else value for x, value in self.fixed_values().items()}
 
     def fix(self, values: Mapping[str, Any] | None) -> Criterion:
         """The same law with some parameters fixed; a value outside its domain is an error."""

@@ -26,17 +26,16 @@ def check_domain(law: Law, *, where: str = "") -> None:
     """
     if not law.constraints or any(all(holds_at(c, point) for c in law.constraints) for point in simple_points(law)):
         return
-    free = [s for s in _parameters(law) if law.parameters[s.name].value is None]
-    if not free or _contradictory(law):
+    if not law.free() or _contradictory(law):
         listed = ", ".join([*(str(c) for c in law.constraints), *_bounds(law)])
         raise InputError(f"no parameter values satisfy {listed} together", where=where or law.name, remedy="relax one of them")
 
 
 def check_fixed(law: Law, remedy: str = "") -> None:
     """InputError where a parameter has no value; the ``remedy`` left out is that of the command line."""
-    if missing := [name for name, domain in law.parameters.items() if domain.value is None]:
-        remedy = remedy or f"give {' '.join(f'--set {name}=VALUE' for name in missing)}"
-        raise InputError(f"no value is given for {', '.join(missing)}", where=law.name, remedy=remedy)
+    if missing := law.free():
+        remedy = remedy or f"give {' '.join(f'--set {x}=VALUE' for x in missing)}"
+        raise InputError(f"no value is given for {', '.join(map(str, missing))}", where=law.name, remedy=remedy)
 
 
 def _parameters(law: Law) -> tuple[sp.Symbol, ...]:

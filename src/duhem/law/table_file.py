@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from duhem.errors import InputError
-from duhem.expression.spelling import spelled
+from duhem.expression.syntax import spelled
 
 __all__ = ["MOST_NUMBERS", "cells_of", "header_of", "lines_of", "read_table", "reading"]
 

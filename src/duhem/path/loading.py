@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from duhem.errors import InputError, faults_at
 from duhem.expression.given_array import reals, unlabelled, unmasked
-from duhem.expression.spelling import spelled
+from duhem.expression.syntax import spelled
 from duhem.law.formula_law import Criterion
 from duhem.law.table_file import MOST_NUMBERS, read_table
 from duhem.projection.result import Array

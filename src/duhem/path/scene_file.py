@@ -18,7 +18,7 @@ import numpy as np
 from duhem.errors import InputError, meant
 from duhem.expression import holds_at
 from duhem.expression.given_array import reals
-from duhem.expression.spelling import spelled
+from duhem.expression.syntax import spelled
 from duhem.law.catalogue import load_formula, load_named
 from duhem.law.domain import Domain
 from duhem.law.formula_law import Criterion

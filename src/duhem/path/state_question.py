@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from duhem.errors import InputError, faults_at
 from duhem.expression.numpy_ import compiled
-from duhem.expression.spelling import respelled
+from duhem.expression.syntax import respelled
 from duhem.law.catalogue import load_formula
 from duhem.law.domain import Domain, Domains
 from duhem.law.formula_law import Criterion

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from duhem.errors import InputError
-from duhem.expression.spelling import spelled
+from duhem.expression.syntax import spelled
 from duhem.law.curve_law import Law, ParametricCriterion
 from duhem.law.formula_law import Criterion
 from duhem.show.printing import latex_name, latex_number

@@ -27,11 +27,10 @@ from duhem.law.formula_law import Criterion
 from duhem.projection.ball_newton import put_right
 from duhem.projection.declared_ranges import beyond
 from duhem.projection.in_blocks import BLOCK, FEW, FEW_SEARCHED, in_blocks
-from duhem.projection.increment import Increment, posed, setting
+from duhem.projection.increment import Increment, posed, principal, setting
 from duhem.projection.method import Compiling, Method, Options
 from duhem.projection.methods import METHODS
 from duhem.projection.metric import Metric
-from duhem.projection.principal_stresses import principal
 from duhem.projection.residuals import Judge, Told, residuals
 from duhem.projection.result import ACCURACY, Array, Judged, Projection, Residuals, Solution, Status
 from duhem.projection.row_by_row import any_of, dot, length, products, times, unit, widest

@@ -326,15 +326,10 @@ def zeros_are_thin(expr: sp.Expr, subject: FormulaSubject) -> bool:
         return True
     if isinstance(expr, sp.Abs) or (expr.is_Pow and not expr.exp.free_symbols & forces and subject.positive(expr.exp)):
         return zeros_are_thin(expr.args[0], subject)
-    if isinstance(expr, sp.Mul | sp.Max | sp.Min):
-        return all(zeros_are_thin(part, subject) for part in expr.args)
-    if isinstance(expr, Where):
-        return all(zeros_are_thin(part, subject) for part in expr.args[1:])
-    if isinstance(expr, Norm):
-        return any(zeros_are_thin(part, subject) for part in expr.args)
-    if expr.is_Add and all(subject.ask(term, Sense.NONNEGATIVE).holds is True for term in expr.args):
-        return any(zeros_are_thin(term, subject) for term in expr.args)
-    return False
+    if isinstance(expr, sp.Mul | sp.Max | sp.Min | Where):
+        return all(zeros_are_thin(part, subject) for part in expr.args[isinstance(expr, Where) :])
+    together = isinstance(expr, Norm) or (expr.is_Add and all(subject.ask(x, Sense.NONNEGATIVE).holds is True for x in expr.args))
+    return together and any(zeros_are_thin(part, subject) for part in expr.args)
 
 
 def _analytic(expr: sp.Expr, subject: FormulaSubject) -> bool:

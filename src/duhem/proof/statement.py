@@ -142,8 +142,7 @@ def state(law: Criterion) -> Problem:
     if law.pressure is not None:
         magnitude = symbol(f"abs({law.pressure})", positive=True)  # no name that a law may declare
         swap[table[law.pressure]] = -magnitude
-    free = [(table[n], d) for n, d in law.parameters.items() if d.value is None]
-    given = [r for x, d in free for r in d.relations(x)] + [c.subs(fixed) for c in law.constraints]
+    given = [r for x, domain in law.free().items() for r in domain.relations(x)] + [c.subs(fixed) for c in law.constraints]
     if magnitude is not None and (span := law.domain.get(law.pressure or "")) is not None:
         given += _compressed(span).relations(magnitude)
     values = {name: swap.get(x, x) for name, x in table.items()}
@@ -157,7 +156,7 @@ def state(law: Criterion) -> Problem:
         magnitude=magnitude,
         given=tuple(r for r in given if r not in (sp.true, True)),
         faces=parts,
-        slice={table[n]: d.value for n, d in law.parameters.items() if d.value is not None},
+        slice=law.fixed_values(),
     )
 
 

@@ -354,13 +354,9 @@ def wanted_claims(claims: Iterable[str] | None, law: Law | None = None, where: s
 
 def _closed(wanted: tuple[str, ...], needs: Callable[[str], Iterable[str]]) -> set[str]:
     """The claims, those that they need, those that these need, and so on."""
-    found: set[str] = set()
-    queue = list(wanted)
-    while queue:
-        name = queue.pop()
-        if name not in found:
-            found.add(name)
-            queue.extend(needs(name))
+    found = set(wanted)
+    while more := {name for each in found for name in needs(each)} - found:
+        found |= more
     return found
 
 

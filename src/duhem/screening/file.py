@@ -58,7 +58,7 @@ from typing import Any, TypedDict, Unpack
 
 from duhem.errors import InputError, faults_at, meant
 from duhem.expression.number import exact_number, exact_text, fraction
-from duhem.expression.spelling import spelled
+from duhem.expression.syntax import spelled
 from duhem.law.convex import check_convex
 from duhem.law.criterion_file import SectionReader
 from duhem.law.curve_law import Law

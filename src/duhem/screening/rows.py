@@ -25,7 +25,7 @@ import sympy as sp
 from duhem.errors import InputError
 from duhem.expression import holds_at
 from duhem.expression.number import exact_number, exact_text, ratio
-from duhem.expression.spelling import spelled
+from duhem.expression.syntax import spelled
 from duhem.law.catalogue import load, load_named
 from duhem.law.curve_law import Law
 from duhem.law.placed_toml import text_of

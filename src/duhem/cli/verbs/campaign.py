@@ -63,7 +63,7 @@ def campaign(
     """
     from duhem import screening
     from duhem.api.increments import project
-    from duhem.expression.spelling import spelled
+    from duhem.expression.syntax import spelled
     from duhem.screening import file, plane
     from duhem.screening.table import finished_csv
     from duhem.show import figure

@@ -327,10 +327,8 @@ class RateSubject(FormulaSubject):
 
 
 def _pieces(g: sp.Expr) -> tuple[Branch, ...] | None:
-    try:
-        return plain_switches(thick(branches(g)))
-    except TooManyBranchesError:
-        return None
+    found = thick(g)
+    return None if found is None else plain_switches(found)
 
 
 def _told(point: Place) -> str:
@@ -380,11 +378,9 @@ def _on_either_side(problem: Problem, obligation: Obligation) -> tuple[Place, Pl
 
 def admitted_values(law: Law) -> Mapping[str, str] | None:
     """Parameter values inside the domain, which show that a claim over it is not empty; None where no exact ones were found."""
-    table = law.symbols()
-    free = [table[name] for name, domain in law.parameters.items() if domain.value is None]
-    given = [*(r for x in free for r in law.parameters[x.name].relations(x)), *law.constraints]
-    for point in chain(simple_points(law), map(rationals, plain_choices(free, given)), _in_the_slice(law)):
-        whole = {table[n]: d.value for n, d in law.parameters.items() if d.value is not None} | dict(point)
+    given = [*(r for x, domain in law.free().items() for r in domain.relations(x)), *law.constraints]
+    for point in chain(simple_points(law), map(rationals, plain_choices(tuple(law.free()), given)), _in_the_slice(law)):
+        whole = law.fixed_values() | dict(point)
         if all(holds_at(r, whole) for r in given):
             return {x.name: str(value) for x, value in whole.items()}
     return None

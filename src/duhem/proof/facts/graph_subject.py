@@ -82,7 +82,7 @@ class GraphSubject(Subject):
     def values_at(self, parameters: Values, point: Iterable[Fraction]) -> dict[sp.Symbol, Fraction]:
         """Every symbol of the law at a choice of the parameters and a point of the forces; the pressure is -1, or nearest to it."""
         law, table = self.law, self.law.symbols()
-        fixed = {x: fraction(value) for x, value in self.fixed.items()}
+        fixed = {x: fraction(value) for x, value in law.fixed_values().items()}
         load = {} if law.pressure is None else {table[law.pressure]: self._pressure(law.pressure)}
         return {**fixed, **parameters, **load, **dict(zip(law.force_symbols(), point, strict=True))}
 

@@ -15,7 +15,7 @@ import sympy as sp
 
 from duhem.expression import UNDEFINED, EigMax, Neg, Norm, Pos, Where
 from duhem.expression.balls import certain_sign, enclose
-from duhem.expression.branches import Branch, TooManyBranchesError, almost_everywhere, branches, oriented, plain_switches, thick
+from duhem.expression.branches import Branch, almost_everywhere, oriented, plain_switches, thick
 from duhem.expression.number import rational
 from duhem.expression.vocabulary import KINKS
 from duhem.proof.decide import Sense
@@ -87,21 +87,20 @@ def local_pieces(
     near, found = kinks_decided(_diagonal(beside, place), around), dict[Any, LocalPiece]()
     if near.has(*KINKS) and near.count_ops() > _MOST_OPERATIONS:
         return ()  # its arms would be compared for minutes
-    try:
-        for whole in plain_switches(thick(branches(near, _MOST_PIECES))):
-            slopes = [sp.diff(whole.expr, x) for x in section.forces] if whole_space else []
-            parts = (sp.Tuple(whole.expr, *slopes), sp.Tuple(*whole.signs), sp.Tuple(*(e for e, _ in asked)))
-            for piece in thick(branches(_in_plane(sp.Tuple(*parts), {**place}), _MOST_PIECES)):
-                (expr, *gradient), switches, needs = _cancelled(piece.expr)
-                signs = [(_plain(e), sign) for e, sign in (*zip(switches, whole.signs.values(), strict=True), *piece.signs.items())]
-                if (left := _open(signs, box)) is None:
-                    continue
-                if sp.Tuple(expr, *gradient, *needs).has(*UNDEFINED, *KINKS) or any(s.is_zero for s, _ in signs):
-                    return ()  # it is not seen which piece holds where
-                needed = tuple((e, sense) for e, (_, sense) in zip(needs, asked, strict=True))
-                found.setdefault((frozenset(left.items()), expr), LocalPiece(left, expr, tuple(gradient), needed))
-    except TooManyBranchesError:
-        return ()
+    for whole in plain_switches(thick(near, _MOST_PIECES) or ()):
+        slopes = [sp.diff(whole.expr, x) for x in section.forces] if whole_space else []
+        parts = (sp.Tuple(whole.expr, *slopes), sp.Tuple(*whole.signs), sp.Tuple(*(e for e, _ in asked)))
+        if (pieces := thick(_in_plane(sp.Tuple(*parts), {**place}), _MOST_PIECES)) is None:
+            return ()
+        for piece in pieces:
+            (expr, *gradient), switches, needs = _cancelled(piece.expr)
+            signs = [(_plain(e), sign) for e, sign in (*zip(switches, whole.signs.values(), strict=True), *piece.signs.items())]
+            if (left := _open(signs, box)) is None:
+                continue
+            if sp.Tuple(expr, *gradient, *needs).has(*UNDEFINED, *KINKS) or any(s.is_zero for s, _ in signs):
+                return ()  # it is not seen which piece holds where
+            needed = tuple((e, sense) for e, (_, sense) in zip(needs, asked, strict=True))
+            found.setdefault((frozenset(left.items()), expr), LocalPiece(left, expr, tuple(gradient), needed))
     return tuple(found.values())
 
 

@@ -76,30 +76,23 @@ class Subject:
     @cached_property
     def free(self) -> tuple[sp.Symbol, ...]:
         """Parameters that are not fixed."""
-        table = self.law.symbols()
-        return tuple(table[name] for name, domain in self.law.parameters.items() if domain.value is None)
-
-    @cached_property
-    def fixed(self) -> Mapping[sp.Symbol, sp.Rational]:
-        """Parameters that are."""
-        table = self.law.symbols()
-        return {table[name]: domain.value for name, domain in self.law.parameters.items() if domain.value is not None}
+        return tuple(self.law.free())
 
     @cached_property
     def ranges(self) -> tuple[sp.Basic, ...]:
         """Those of the free parameters, each by itself, as relations."""
-        return tuple(r for x in self.free for r in self.law.parameters[x.name].relations(x))
+        return tuple(r for x, domain in self.law.free().items() for r in domain.relations(x))
 
     @cached_property
     def given(self) -> tuple[sp.Basic, ...]:
         """The domain of the free parameters, as relations."""
-        here = (c.xreplace(dict(self.fixed)) for c in self.law.constraints)
-        return tuple(r for r in (*self.ranges, *here) if r != sp.true)
+        fixed = self.law.fixed_values()
+        return tuple(r for r in (*self.ranges, *(c.xreplace(fixed) for c in self.law.constraints)) if r != sp.true)
 
     @cached_property
     def constraints_defined(self) -> bool:
         """Whether each constraint as written has a value where the ranges hold, with those that are shown to have one before it."""
-        law, fixed, given = self.law, dict(self.fixed), self.ranges
+        law, fixed, given = self.law, self.law.fixed_values(), self.ranges
         values = {name: fixed.get(x, x) for name, x in law.symbols().items()}
         trees = (
             parse_as_written(text, values) if text else c.xreplace(fixed)

@@ -9,25 +9,23 @@ from typing import Any, NamedTuple
 from duhem.proof.kernel import boundary, obligations, state
 from duhem.proof.kernel.bounds import Facts
 from duhem.proof.kernel.boxes import convex_in_its_box
-from duhem.proof.kernel.cones import Fan
 from duhem.proof.kernel.curvature import over, within_ranges
 from duhem.proof.kernel.curve import StatedCurve
 from duhem.proof.kernel.definedness import Reader, divides_by_zero_force, undecided_beside
 from duhem.proof.kernel.domain import NEGATIVE, POSITIVE, StatedDomain
 from duhem.proof.kernel.forms import place_of
 from duhem.proof.kernel.gradient import gradient
-from duhem.proof.kernel.homogeneity import flows_with_a_share_of_g, grows_along_rays, is_cone, potential_flows_outward
+from duhem.proof.kernel.homogeneity import Fan, flows_with_a_share_of_g, grows_along_rays, is_cone, potential_flows_outward
 from duhem.proof.kernel.identity import in_order, vanishes
 from duhem.proof.kernel.normal_form import normal
 from duhem.proof.kernel.pieces import chooses
 from duhem.proof.kernel.plane_gauge import StarGauge, above_zero_along_rays
-from duhem.proof.kernel.polyhedron import polyhedra, union_is_convex
 from duhem.proof.kernel.polynomial import negated, written
 from duhem.proof.kernel.region import convex_in_its_region, region_of, round_at_its_ends, where_it_has_a_value
 from duhem.proof.kernel.regularity import smooth_everywhere, smooth_near_the_boundary, tips
 from duhem.proof.kernel.simpler_laws import about_its_centre, cases, in_principal_stresses, normal_forms, without_outer_map
 from duhem.proof.kernel.stated_law import StatedLaw
-from duhem.proof.kernel.support import is_support_function
+from duhem.proof.kernel.support import is_support_function, polyhedra, union_is_convex
 from duhem.proof.kernel.term import UNREADABLE, Term, in_words, minus, parse, sum_of
 
 __all__ = ["BY_CONSTRUCTION", "CURVE_RULES", "RULES", "RuleRow", "at_point", "needs_of", "objection", "row_of", "rules_of"]
@@ -383,11 +381,6 @@ def scales_with_the_pressure(law: StatedLaw, _: Evidence) -> bool:
     return is_cone(law.g, over(law).wider(law.pressure))
 
 
-def forces_resist(law: StatedLaw, _: Evidence) -> bool:
-    """The sum of force . rate is >= 0 for all rates."""
-    return over(law).never_negative(law.g)
-
-
 def forces_increase(law: StatedLaw, _: Evidence) -> bool:
     """Each force is a function of its own rate, C^1 in that, and does not decrease."""
     domain = over(law)
@@ -534,7 +527,8 @@ RULES: Mapping[tuple[str, str], RuleRow] = {
         "of the flow dissipate too (Koiter 1953)", True,
     ),
     ("dissipation", "resistance"): RuleRow(
-        _NONE, forces_resist, obligations.flow, "the forces as functions of the rates have sum of force . rate >= 0",
+        _NONE, lambda law, _: over(law).never_negative(law.g), obligations.flow,
+        "the forces as functions of the rates have sum of force . rate >= 0",
     ),
     ("normality", "monotone-resistance"): RuleRow(
         _NONE, forces_increase, obligations.flow,

@@ -26,7 +26,7 @@ from duhem.proof.kernel.domain import StatedDomain, gap
 from duhem.proof.kernel.gradient import gradient
 from duhem.proof.kernel.identity import multiplied_through
 from duhem.proof.kernel.plane_function import power_of
-from duhem.proof.kernel.polynomial import Polynomial, in_powers, joined, negated, times, total, written
+from duhem.proof.kernel.polynomial import ONE, Polynomial, in_powers, joined, negated, times, total, written
 from duhem.proof.kernel.signs import RAY, nonnegative
 from duhem.proof.kernel.stated_law import StatedLaw, as_list, declared, formula_over
 from duhem.proof.kernel.term import NotWritten, Term, minus, number, parse, product_of, sum_of
@@ -389,10 +389,9 @@ def _without_squares(poly: Polynomial) -> Polynomial:
 
 def _along_half(poly: Polynomial, side: int) -> Polynomial:
     """The polynomial, by t and times a power of 1 + t^2, where c = side (1 - t^2)/(1 + t^2) and s = side 2 t/(1 + t^2)."""
-    one: Polynomial = {(): Fraction(1)}
     square: Polynomial = {((RAY, 2),): Fraction(1)}
     sine: Polynomial = {((RAY, 1),): Fraction(2)}
-    cosine, both = total(one, negated(square)), total(one, square)
+    cosine, both = total(ONE, negated(square)), total(ONE, square)
     powers = [(dict(m).get(_COSINE, 0), dict(m).get(_SINE, 0)) for m in poly]
     most = max((i + j for i, j in powers), default=0)
     found: Polynomial = {}

@@ -15,6 +15,7 @@ from itertools import combinations_with_replacement, islice, product
 from typing import Any
 
 from duhem.proof.kernel.bounds import ANY, NEGATIVE, POSITIVE, ZERO, Bounds, Facts, Sign, exact, sharpened, signs_of_product
+from duhem.proof.kernel.constant_value import ordered, span
 from duhem.proof.kernel.polynomial import (
     ONE,
     Monomial,
@@ -31,7 +32,6 @@ from duhem.proof.kernel.polynomial import (
     total,
     written,
 )
-from duhem.proof.kernel.spans import ordered, span
 from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.kernel.steps import pay
 from duhem.proof.kernel.term import NotWritten, Term, minus, number, product_of, sum_of

@@ -19,7 +19,7 @@ from typing import Any, NamedTuple
 
 from duhem.proof.kernel.domain import StatedDomain
 from duhem.proof.kernel.polynomial import ONE, Polynomial, grouped, in_powers, negated, number_in, replaced, slope, times, total, written
-from duhem.proof.kernel.signs import RAY, Interval, line, nonnegative, parts
+from duhem.proof.kernel.signs import RAY, Interval, divided_by, line, nonnegative, parts
 from duhem.proof.kernel.term import NotWritten, Term, number
 
 __all__ = [
@@ -134,18 +134,9 @@ class PlaneVariable(ABC):
     def factors(self, poly: Polynomial) -> list[tuple[Polynomial, Polynomial]]:
         """Polynomials and exponents of which a polynomial > 0 is the product: N as often as it divides it, and the rest."""
         count = 0
-        while (less := self._without_distance(poly)) is not None:
-            poly, count = less, count + 1
+        while not (split := divided_by(poly, (self.far, 0, 1)))[1]:
+            poly, count = split[0], count + 1
         return [(self.distance, {(): Fraction(count)}), (poly, ONE)]
-
-    def _without_distance(self, poly: Polynomial) -> Polynomial | None:
-        """Divided by N; None where that leaves a rest."""
-        left, found = in_powers(poly, RAY), Polynomial()
-        while len(left) > 2:
-            top = left.pop()
-            left[-2] = total(left[-2], times({(): Fraction(-self.far)}, top))
-            found = total(found, times(top, {((RAY, len(left) - 2),) if len(left) > 2 else (): Fraction(1)}))
-        return None if any(left) else found
 
     def shortened(self, value: PlaneFunction) -> PlaneFunction:
         """The same function, its polynomial as short as it is seen to be."""

@@ -25,10 +25,10 @@ from contextlib import suppress
 from dataclasses import replace
 
 from duhem.proof.kernel.bounds import Facts
+from duhem.proof.kernel.constant_value import RISING
 from duhem.proof.kernel.domain import NEGATIVE, POSITIVE, ZERO, Sign, StatedDomain
 from duhem.proof.kernel.forms import apart, multiple, of_load, share_and_rest
 from duhem.proof.kernel.polynomial import Polynomial, written
-from duhem.proof.kernel.spans import RISING
 from duhem.proof.kernel.term import NotWritten, Term, minus, number, product_of, sum_of
 
 __all__ = ["closed_at_its_end", "opened", "scaled", "shape_of_two", "times_load"]

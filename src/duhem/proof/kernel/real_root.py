@@ -7,8 +7,8 @@ from fractions import Fraction
 from typing import Any, NamedTuple
 
 from duhem.proof.kernel.domain import exact
-from duhem.proof.kernel.polynomial import Polynomial, in_powers, times, total
-from duhem.proof.kernel.signs import RAY, Line, line, roots_between, sign_at
+from duhem.proof.kernel.polynomial import Polynomial
+from duhem.proof.kernel.signs import Line, divided_by, line, roots_between, sign_at
 from duhem.proof.kernel.stated_law import as_list, without_more
 from duhem.proof.kernel.term import NotWritten
 
@@ -59,11 +59,4 @@ class RealRoot(NamedTuple):
 
     def reduced(self, poly: Polynomial) -> Polynomial:
         """A polynomial with the same value where the variable is this number: its rest by the polynomial of the number."""
-        if self.exact:
-            return poly
-        left, degree = in_powers(poly, RAY), len(self.poly) - 1
-        while len(left) > degree:
-            top, shift = left.pop(), len(left) - degree
-            for i, c in enumerate(self.poly[:-1]):
-                left[shift + i] = total(left[shift + i], times({(): Fraction(-c, self.poly[-1])}, top))
-        return total(*(times(part, {((RAY, i),) if i else (): Fraction(1)}) for i, part in enumerate(left)))
+        return poly if self.exact else divided_by(poly, self.poly)[1]

@@ -21,7 +21,7 @@ first; all but the first are for sums, products and names:
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import suppress
 from fractions import Fraction
 from itertools import pairwise, product
@@ -35,8 +35,8 @@ from duhem.proof.kernel.polynomial import Polynomial, in_powers, joined, replace
 from duhem.proof.kernel.term import NotWritten, Term, factors, minus, number, product_of, sum_of
 
 __all__ = [
-    "RAY", "Interval", "Line", "common_roots", "divides", "line", "nonnegative", "nonnegative_on_the_line", "on_the_line", "parts",
-    "roots", "roots_between", "roots_of_both", "sign_at", "sign_inside", "sign_of_constant", "without_content",
+    "RAY", "Interval", "Line", "common_roots", "divided_by", "divides", "line", "nonnegative", "nonnegative_on_the_line", "on_the_line",
+    "parts", "roots", "roots_between", "roots_of_both", "sign_at", "sign_inside", "sign_of_constant", "without_content",
 ]  # fmt: skip
 
 Line = tuple[int, ...]  # the coefficients of a polynomial, that of 1 first, none at the top 0; a positive factor is as good as none
@@ -151,6 +151,17 @@ def without_content(poly: Polynomial, domain: StatedDomain) -> Polynomial:
         elif least < 0:
             raise NotWritten("a constant that may be 0 divides")
     return poly
+
+
+def divided_by(poly: Polynomial, by: Sequence[Fraction | int]) -> tuple[Polynomial, Polynomial]:
+    """Quotient and rest of a polynomial by one of the variable alone with these numbers as coefficients, that of 1 first."""
+    left, quotient = in_powers(poly, RAY), list[Polynomial]()
+    while len(left) >= len(by):
+        quotient.insert(0, {m: c / by[-1] for m, c in left.pop().items()})
+        for i, c in enumerate(by[:-1], len(left) - len(by) + 1):
+            left[i] = total(left[i], times({(): Fraction(-c)} if c else {}, quotient[0]))
+    found, rest = (total(*(times(part, {((RAY, n),) if n else (): Fraction(1)}) for n, part in enumerate(p))) for p in (quotient, left))
+    return found, rest
 
 
 def on_the_line(poly: Polynomial) -> Line | None:

@@ -143,7 +143,8 @@ def freed_of_eigenvalues(term: Term, domain: StatedDomain) -> Iterator[Freed]:
     matrices, free = _read(term, domain)
     names = [x.name for matrix in matrices for x in (matrix.greatest, matrix.least)]
     if 0 < len(matrices) <= _MOST_MATRICES and not {*names} & {*domain.law.forces}:
-        wider, swaps = domain.wider(*names), [swap for m in matrices for swap in _swaps(m)]
+        swaps = [swap for m in matrices for swap in ({m.greatest: m.least, m.least: m.greatest}, {m.greatest: m.middle})]
+        wider = domain.wider(*names)
         parts = dict((z, part) if z.op == "name" else (z.args[1], minus(part)) for part, z in free.items())
         for form in dict.fromkeys((term, _of_sizes(term, domain))):
             yield Freed(form.put(free), wider, parts, swaps)
@@ -157,11 +158,6 @@ def _of_sizes(term: Term, domain: StatedDomain) -> Term:
     if term.op == "**" and term.args[0].op != "abs" and domain.facts(term.args[0]).nonnegative:
         args = (Term("abs", args[:1]), args[1])
     return term if args == term.args else term._replace(args=args)
-
-
-def _swaps(matrix: _Matrix) -> Iterator[dict[Term, Term]]:
-    yield {matrix.greatest: matrix.least, matrix.least: matrix.greatest}
-    yield {matrix.greatest: matrix.middle}
 
 
 def _read(term: Term, domain: StatedDomain) -> tuple[list[_Matrix], dict[Term, Term]]:

@@ -146,14 +146,9 @@ class StatedLaw(_Stated):
     Of several surfaces g is the greatest, and ``surfaces`` has them with the flow of each; then ``flow`` is None.
     """
 
-    _found: dict[Any, Any]
-
     def once(self, question: Callable[..., Answer], *beside: object) -> Answer:
         """The answer to a question about this law, and what is asked ``beside`` it, found when it is first asked."""
-        try:
-            found = self._found
-        except AttributeError:
-            found = self._found = {}
+        found = vars(self).setdefault("_found", {})
         if (question, beside) not in found:
             found[question, beside] = question(self, *beside)
         answer: Answer = found[question, beside]
@@ -292,9 +287,8 @@ def _variable(entry: Any) -> StatedVariable:
     given = without_more(as_object(entry), {"observable", "temperature", "force"})
     kinds = [kind for kind in ("observable", "temperature") if kind in given]
     force = given.get("force")
-    if len(kinds) > 1 or any(given[kind] is not True for kind in kinds) or not isinstance(force, str | None):
-        raise NotWritten("a variable is none")
-    if (force is None and "observable" in kinds) or (force is not None and "temperature" in kinds):
+    wrong = len(kinds) > 1 or any(given[kind] is not True for kind in kinds) or not isinstance(force, str | None)
+    if wrong or (force is None and "observable" in kinds) or (force is not None and "temperature" in kinds):
         raise NotWritten("a variable is none")
     return StatedVariable(kinds[0] if kinds else "internal", force)
 

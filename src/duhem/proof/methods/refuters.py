@@ -512,7 +512,7 @@ def origin_of_graph(subject: GraphSubject) -> Evidence | None:
 
 def convexity_of_graph(subject: GraphSubject) -> Evidence | None:
     """Refute by a chord that leaves K."""
-    from duhem.proof.search.graph_chords import graph_chords
+    from duhem.proof.search.long_chords import graph_chords
 
     found = (chord(subject, values, *ends) for values in subject.choices(_CHOICES_OF_A_GRAPH) for ends in graph_chords(subject, values))
     return Evidence.refuted_by(found, "witness-chord", "a chord between two points of K leaves K")

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 import sympy as sp
 
 from duhem.expression import Where
-from duhem.expression.branches import Branch, TooManyBranchesError, branches, smooth_below, thick
+from duhem.expression.branches import smooth_below, thick
 from duhem.expression.invariance import invariant_directions
 from duhem.law.formula_law import Criterion
 from duhem.proof.decide import Budget
@@ -134,18 +134,12 @@ def _smooth(forms: _Forms, face: Face) -> Iterator[tuple[sp.Poly | None, list[sp
     own, flow = forms.settled(face.g), tuple(map(forms.settled, face.flow or ()))
     inside = [-smooth for other in face.others for smooth in smooth_below(forms.settled(other))]
     jumps = any(d.has(Where) for d in flow)  # then who owns the seam is left open: each piece of g with each of the flow
-    for parts in product(*map(_pieces, (sp.Tuple(own), sp.Tuple(*flow)) if jumps else (sp.Tuple(own, *flow),))):
+    formulas_apart = (sp.Tuple(own), sp.Tuple(*flow)) if jumps else (sp.Tuple(own, *flow),)
+    for parts in product(*(thick(x, _MOST_PIECES) or () for x in formulas_apart)):
         sides = [sign * switch for part in parts for switch, sign in part.signs.items()]
         formulas.setdefault(tuple(x for part in parts for x in part.expr), []).append([*sides, *inside])
     for (g, *components), where in formulas.items():
         yield forms.form(g), list(map(forms.form, components)), where
-
-
-def _pieces(expr: sp.Basic) -> Sequence[Branch]:
-    try:
-        return thick(branches(expr, _MOST_PIECES))
-    except TooManyBranchesError:
-        return ()
 
 
 @dataclass(frozen=True)
@@ -164,10 +158,9 @@ class _Forms:
     def of(cls, subject: FormulaSubject) -> _Forms:
         law = subject.law
         table, forces = law.symbols(), law.force_symbols()
-        free = [table[name] for name, domain in law.parameters.items() if domain.value is None]
         formulas = sp.Tuple(law.g, *(d for face in faces(law) for d in face.flow or ()))
         divisors = {p.base for p in formulas.atoms(sp.Pow) if p.exp.is_negative and p.base.is_positive}
-        rest = [*([table[law.pressure]] if law.pressure else []), *(1 / x if x in divisors else x for x in free)]
+        rest = [*([table[law.pressure]] if law.pressure else []), *(1 / x if x in divisors else x for x in law.free())]
         return cls(law, forces, (*forces, *(sp.Symbol(name, real=True) for name in directions(law)), *rest), subject.whole)
 
     def settled(self, expr: sp.Expr) -> sp.Expr:
@@ -254,8 +247,7 @@ class _Forms:
     def _domain(self) -> Iterable[tuple[sp.Expr, str]]:
         """What is > 0 or >= 0 of the pressure and the free parameters, each once."""
         signs = ((x if x.is_positive else -x, ">") for x in self.generators[2 * len(self.forces) :] if x.is_nonpositive or x.is_positive)
-        ranges = {self.law.symbols()[name]: own for name, own in self.law.parameters.items() if own.value is None}
-        stated = (*(r for x, own in ranges.items() if x in self.generators for r in own.relations(x)), *self.law.constraints)
+        stated = (*(r for x, own in self.law.free().items() if x in self.generators for r in own.relations(x)), *self.law.constraints)
         strict = (sp.StrictGreaterThan, sp.StrictLessThan)
         return dict.fromkeys((*signs, *((c.gts - c.lts, ">" if isinstance(c, strict) else ">=") for c in stated)))
 

@@ -117,12 +117,9 @@ class BoundaryScout:
     def gradient(self) -> Any:
         """Of g at the boundary points, by differences."""
         step = 1e-6 * (np.linalg.norm(self.boundary, axis=1, keepdims=True) + 1e-300)
-        columns = []
-        for i in range(len(self.forces)):
-            offset = np.zeros(len(self.forces))
-            offset[i] = 1.0
-            columns.append((self.value(self.boundary + step * offset) - self.value(self.boundary - step * offset)) / (2 * step[:, 0]))
-        return np.stack(columns, axis=1)
+        offsets = (step * unit for unit in np.eye(len(self.forces)))
+        rises = [self.value(self.boundary + offset) - self.value(self.boundary - offset) for offset in offsets]
+        return np.stack(rises, axis=1) / (2 * step)
 
     def far_targets(self) -> Iterator[tuple[Exit, Point]]:
         """Boundary points whose flow leans towards some other sampled point of K, with that point: the worst and some of the others."""

@@ -4,24 +4,27 @@ Corners lie at a seam in two forces, and in some plane of the force space in mor
 
 Two kinds of planes are looked at: those through the zeros of a root (the axis of a cone, where its tip is), and some through a
 point of K, in which the boundary is followed around and its normal is seen to jump.  Directions are small whole numbers (fixed seed).
-Points are sought at zero force, and where the boundary meets axes or edges at plain fractions.
+Points are sought at zero force, and where the boundary meets axes or edges at plain fractions.  Along an edge all but one of as many
+loads, which are affine in the forces, as there are forces vanish: what is pointed is so there, be it by a hair.
 """
 
 from __future__ import annotations
 
 import math
 import random
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from fractions import Fraction
-from itertools import chain, islice, product
+from itertools import chain, combinations, islice, product
+from math import gcd, lcm
 from typing import Any
 
 import numpy as np
 import sympy as sp
 
-from duhem.expression import EigMax, Norm, defined_at, mpmath_
+from duhem.expression import EigMax, Norm, Where, defined_at, mpmath_
 from duhem.expression.balls import ball
 from duhem.expression.branches import Seam, jacobian, seams
+from duhem.expression.invariance import affine, largest_loads
 from duhem.expression.number import fraction, rational
 from duhem.expression.numpy_ import compiled
 from duhem.expression.rays import Rays, exits
@@ -30,9 +33,8 @@ from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.facts.plane_section import PlaneSection, local_pieces
 from duhem.proof.facts.subject import Point, Values, rationals
 from duhem.proof.search.boundary_points import scout
-from duhem.proof.search.edges import edges
 
-__all__ = ["Crossing", "centred_choices", "crossings", "section_corners", "sharp_points"]
+__all__ = ["centred_choices", "crossings", "edges", "exact_rays", "greatest", "loads_of", "quadratic", "section_corners", "sharp_points"]
 
 _MOST, _NEAREST = 16, 2  # crossings of one seam; places nearest to it
 _MOST_EXPONENT = 10_000  # SymPy makes polynomials of so high a degree of a power: that took more than a minute
@@ -162,15 +164,12 @@ def _tips(subject: FormulaSubject, parameters: Values) -> Iterator[tuple[PlaneSe
 def _zero_lines(node: Any, forces: Sequence[sp.Symbol], rng: random.Random) -> Iterator[tuple[Point, Point]]:
     """Lines on which the squares in a norm or in a sum are all 0, each by a point and a direction."""
     squares = [c**2 for c in node.args] if isinstance(node, Norm) else [t for t in node.args if t.is_polynomial(*forces)]
-    under = sp.Add(*squares) if node.is_polynomial(*forces) else sp.Add(*(t for t in squares if _is_square(t)))
-    if not under.is_polynomial(*forces) or (form := sp.Poly(under, *forces)).total_degree() != 2 or form.domain not in (sp.ZZ, sp.QQ):
-        return
-    rows = sp.hessian(under, forces)
-    slope = sp.Matrix([sp.diff(under, x).subs(dict.fromkeys(forces, 0)) for x in forces])
-    if not (kernel := rows.nullspace()):
+    whole = node.is_polynomial(*forces)
+    under = sp.Add(*(t for t in squares if whole or any(f.is_Pow and f.exp == 2 for f in sp.Mul.make_args(t))))
+    if (found := quadratic(under, forces)) is None or not (kernel := found[0].nullspace()):
         return
     try:
-        base = rows.gauss_jordan_solve(-slope)
+        base = found[0].gauss_jordan_solve(-found[1])
     except ValueError:  # it has no least value
         return
     centre = base[0].subs(dict.fromkeys(base[1], 0))
@@ -181,8 +180,12 @@ def _zero_lines(node: Any, forces: Sequence[sp.Symbol], rng: random.Random) -> I
             yield tuple(fraction(c) for c in centre), tuple(fraction(c) for c in u)
 
 
-def _is_square(term: sp.Expr) -> bool:
-    return any(f.is_Pow and f.exp == 2 for f in sp.Mul.make_args(term))
+def quadratic(expr: sp.Expr, forces: Sequence[sp.Symbol]) -> tuple[sp.Matrix, sp.Matrix] | None:
+    """Second derivatives, and first ones at zero force, of a polynomial of degree 2 with fractions; None for any other formula."""
+    if not expr.is_polynomial(*forces) or (form := sp.Poly(expr, *forces)).total_degree() != 2 or form.domain not in (sp.ZZ, sp.QQ):
+        return None
+    slope = sp.Matrix([form.diff(x)(*(0 for _ in forces)) for x in forces])
+    return sp.hessian(form.as_expr(), forces), slope
 
 
 def _zeros_along(h: sp.Expr, a: sp.Symbol, b: sp.Symbol) -> list[float]:
@@ -200,7 +203,8 @@ def _planes(subject: FormulaSubject, parameters: Values, price: int) -> Iterator
     seen, rng, forces = scout(subject, parameters), random.Random(4), subject.simple.forces
     if seen.centre is None or not len(seen.boundary):
         return
-    still = _shears(subject.simple.g)
+    # What is 0 where the matrices in g are diagonal: there one sees which eigenvalue is the greatest.
+    still = {x for node in subject.simple.g.atoms(EigMax) for shear in node.args[3:] for x in shear.free_symbols}
     base = [Fraction(float(c)).limit_denominator(1000) * (x not in still) for x, c in zip(forces, seen.centre, strict=True)]
     units = [Fraction(2) ** math.frexp(max(abs(column), default=1))[1] for column in (seen.boundary - seen.centre).T]
     units = [unit * (x not in still) for x, unit in zip(forces, units, strict=True)]
@@ -210,11 +214,6 @@ def _planes(subject: FormulaSubject, parameters: Values, price: int) -> Iterator
         u, v = ([c * unit for c, unit in zip(_direction(rng, len(forces)), units, strict=True)] for _ in range(2))
         section = PlaneSection.through(forces, base, u, v)
         yield section, _turns(subject, parameters, section)
-
-
-def _shears(g: sp.Expr) -> set[sp.Symbol]:
-    """The forces that are 0 where the matrices in g are diagonal: there one sees which eigenvalue is the greatest."""
-    return {x for node in g.atoms(EigMax) for shear in node.args[3:] for x in shear.free_symbols}
 
 
 def _direction(rng: random.Random, dimension: int) -> Point:
@@ -310,9 +309,9 @@ def centred_choices(subject: FormulaSubject) -> Iterator[Values]:
 
 def _centre(g: sp.Expr, forces: Sequence[sp.Symbol]) -> Iterator[Point]:
     """That of a quadratic g, where g is 0 there."""
-    if g.is_polynomial(*forces) and (form := sp.Poly(g, *forces)).total_degree() == 2 and form.domain in (sp.ZZ, sp.QQ):
-        matrix, row = sp.hessian(g, forces), sp.Matrix([sp.diff(g, x).subs(dict.fromkeys(forces, 0)) for x in forces])
-        if matrix.det() and not form(*(centre := tuple(-matrix.LUsolve(row)))):
+    if (found := quadratic(g, forces)) is not None and found[0].det():
+        centre = -found[0].LUsolve(found[1])
+        if g.xreplace(dict(zip(forces, centre, strict=True))).is_zero:
             yield tuple(map(fraction, centre))
 
 
@@ -340,3 +339,71 @@ def _ways(dimension: int) -> list[Point]:
     found = dict.fromkeys(tuple(map(Fraction, way)) for way in islice((w for w in drawn if any(w)), _MOST_WAYS // 2))
     axes = [tuple(Fraction(int(i == k)) for i in range(dimension)) for k in range(dimension)]
     return list(dict.fromkeys(sign for way in (*found, *axes) for sign in (way, tuple(-c for c in way))))
+
+
+# -- loads, and rays from 0 that are known exactly by them -------------------------------------------------------------
+
+_MOST_LOADS = 12
+
+
+def loads_of(g: sp.Expr, forces: Collection[sp.Symbol]) -> Iterator[sp.Expr]:
+    """What is >= 0 wherever g has a value and is <= 0: loads in a maximum, turned round, and those under a logarithm."""
+    if g.has(Where):
+        return
+    for part in greatest(g):
+        if affine(part, forces):
+            yield sp.expand(-part)
+        yield from (x.args[0] for x in sorted(part.atoms(sp.log), key=sp.default_sort_key) if affine(x.args[0], forces))
+
+
+def greatest(g: sp.Expr) -> tuple[sp.Expr, ...]:
+    """What a maximum is taken of; a formula that is none, alone."""
+    return g.args if isinstance(g, sp.Max) else (g,)
+
+
+def edges(g: sp.Expr, forces: Sequence[sp.Symbol]) -> list[tuple[int, ...]]:
+    """Those of the largest loads in g without a constant, each with its opposite, in whole numbers."""
+    zero = dict.fromkeys(forces, sp.S.Zero)
+    rows = [[load.diff(x) for x in forces] for load in dict.fromkeys(largest_loads(g, forces)) if load.xreplace(zero).is_zero]
+    return list(edges_of(rows, len(forces)))
+
+
+def edges_of(rows: Sequence[Sequence[sp.Expr]], n: int) -> Iterator[tuple[int, ...]]:
+    """Those of loads with these coefficients of n forces: first one off each load, where there is one."""
+    plain = [row for row in rows if all(c.is_Rational for c in row)]
+    some = dict.fromkeys((*_off_each(plain, n), *islice(combinations(range(len(plain)), n - 1), _MOST_LOADS)))
+    seen = set[tuple[int, ...]]()
+    for chosen in islice(some, _MOST_LOADS):
+        if len(flat := sp.Matrix([plain[k] for k in chosen]).nullspace()) == 1:
+            scale = lcm(*(int(c.q) for c in flat[0]))
+            whole = [int(c * scale) for c in flat[0]]
+            edge = tuple(c // gcd(*whole) for c in whole)
+            if edge not in seen:
+                both = (edge, tuple(-c for c in edge))
+                seen.update(both)
+                yield from both
+
+
+def _off_each(rows: Sequence[Sequence[sp.Expr]], n: int) -> Iterator[tuple[int, ...]]:
+    """Of loads that are a basis, the first of which is left out: it is not 0 where the others are."""
+    for k in range(min(len(rows), _MOST_LOADS)):
+        turned = [*range(k, len(rows)), *range(k)]
+        basis = sp.Matrix([rows[i] for i in turned]).T.rref()[1]
+        if len(basis) == n and basis[0] == 0:
+            yield tuple(sorted(turned[i] for i in basis[1:]))
+
+
+def exact_rays(g: sp.Expr, forces: Sequence[sp.Symbol]) -> Iterator[tuple[int, ...]]:
+    """Along edges, along, between and opposite to the axes of the forces, and between edges, in whole numbers."""
+    n, seen = len(forces), set[tuple[int, ...]]()
+    rows = [[load.diff(x) for x in forces] for load in loads_of(g, forces)]
+    along = list(edges_of(rows, n))
+    axes = product((-1, 0, 1), repeat=n) if n < 4 else ()
+    few = (
+        tuple(s * (k == i) + t * (k == j) for k in range(n)) for i, j in combinations(range(n), 2) for s, t in product((-1, 0, 1), repeat=2)
+    )
+    between = (tuple(a + b for a, b in zip(one, two, strict=True)) for one, two in combinations(along, 2))
+    for ray in (*along, *few, *axes, *between):
+        if any(ray) and ray not in seen:
+            seen.add(ray)
+            yield ray

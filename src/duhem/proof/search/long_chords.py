@@ -5,11 +5,15 @@ zero, where it is not in K, for K may be all but a hole that is small from afar.
 On exact rays: K may have faces, edges or whiskers that no sample meets.  From far points: where an ellipsoid in a maximum lies
 farthest along a load, for what is cut off a ball may leave a cap that no sample meets; along the diameter to such an end g is looked
 at, and the other end of the chord is its mirror image in a zero of a load, or in where g is greatest.
+
+Of a law kept as a graph: a dent may be as narrow as one kink of one neuron.  So beside long chords between any two points of the boundary,
+short ones of every length are tilted and shifted until both ends lie on a level of g, and the one whose midpoint lies highest above it is a
+candidate.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import chain, product
@@ -21,17 +25,19 @@ import sympy as sp
 from numpy.typing import NDArray
 
 from duhem.expression import Norm
+from duhem.expression.invariance import affine, largest_loads
 from duhem.expression.number import fraction, rational
 from duhem.expression.numpy_ import compiled
 from duhem.expression.rays import Rays, first_exit
 from duhem.law.domain import REAL
 from duhem.proof.facts.formula_subject import FormulaSubject
+from duhem.proof.facts.graph_subject import GraphSubject
 from duhem.proof.facts.subject import Point, Values
 from duhem.proof.search.boundary_points import Chord, lowest
-from duhem.proof.search.edges import affine, exact_rays, largest_loads
+from duhem.proof.search.corners import exact_rays, quadratic
 from duhem.proof.search.margins import WALK, least_margin
 
-__all__ = ["chords_between_exact_rays", "chords_downhill", "chords_from_far_points", "looked_between", "sampled_chords"]
+__all__ = ["chords_between_exact_rays", "chords_downhill", "chords_from_far_points", "graph_chords", "looked_between", "sampled_chords"]
 
 Array = NDArray[np.float64]
 _ANGLES, _SECTIONS = 720, 24
@@ -142,9 +148,7 @@ def _along_rays(
         yield leave, entry, inner, farther
     n = len(directions)
     best: list[tuple[float, int, int]] = []
-    for step in (1, 2, 4, 8, 16, 32, 64, 100, 128, 180, 220, 256, 300):
-        if step >= n:
-            break
+    for step in (step for step in (1, 2, 4, 8, 16, 32, 64, 100, 128, 180, 220, 256, 300) if step < n):
         other = np.roll(boundary, -step, axis=0)
         heights = value((boundary + other) / 2)
         size = np.linalg.norm(other - boundary, axis=1)
@@ -241,16 +245,15 @@ def _diameters(g: sp.Expr, forces: Sequence[sp.Symbol]) -> Iterator[_Diameter]:
     """Of each ellipsoid, through where it touches the planes on which the loads of other parts are constant."""
     seen = set[_Diameter]()
     for part in g.args if isinstance(g, sp.Max) else ():
-        square = _square(part, forces)
         rows = [row for other in g.args if other is not part for row in _rows(other, forces)]
-        for diameter in _across(square, rows, forces) if square is not None and rows else ():
+        for diameter in _across(_square(part, forces), rows, forces):
             if diameter not in seen and len(seen) < _DIAMETERS:
                 seen.add(diameter)
                 yield diameter
 
 
-def _square(part: sp.Expr, forces: Sequence[sp.Symbol]) -> sp.Poly | None:
-    """A quadratic polynomial with fractions that is <= 0 where the part is: of norm(...) - r, sqrt(q) - r or itself."""
+def _square(part: sp.Expr, forces: Sequence[sp.Symbol]) -> sp.Expr:
+    """What is <= 0 where the part is, and quadratic if possible: of norm(...) - r, sqrt(q) - r or itself."""
     still, moving = part.as_independent(*forces, as_Add=True)
     scale, size = moving.as_independent(*forces, as_Add=False)
     if not moving.is_Add and scale.is_positive and still.is_negative:
@@ -258,10 +261,7 @@ def _square(part: sp.Expr, forces: Sequence[sp.Symbol]) -> sp.Poly | None:
             part = sp.Add(*(a**2 for a in size.args)) - (still / scale) ** 2
         elif size.is_Pow and size.exp == sp.S.Half:
             part = size.base - (still / scale) ** 2
-    if not part.is_polynomial(*forces):
-        return None
-    poly = sp.Poly(part, *forces)
-    return poly if poly.total_degree() == 2 and poly.domain in (sp.ZZ, sp.QQ) else None
+    return part
 
 
 def _rows(part: sp.Expr, forces: Sequence[sp.Symbol]) -> Iterator[tuple[sp.Rational, ...]]:
@@ -274,16 +274,13 @@ def _rows(part: sp.Expr, forces: Sequence[sp.Symbol]) -> Iterator[tuple[sp.Ratio
             yield tuple(c / first for c in row)
 
 
-def _across(square: sp.Poly, rows: Sequence[tuple[sp.Rational, ...]], forces: Sequence[sp.Symbol]) -> Iterator[_Diameter]:
+def _across(square: sp.Expr, rows: Sequence[tuple[sp.Rational, ...]], forces: Sequence[sp.Symbol]) -> Iterator[_Diameter]:
     """The diameters, if {square <= 0} is an ellipsoid."""
-    matrix = sp.hessian(square.as_expr(), forces) / 2
-    if not matrix.is_positive_definite:
+    if not rows or (found := quadratic(square, forces)) is None or not found[0].is_positive_definite:
         return
-    zero = dict.fromkeys(forces, sp.S.Zero)
-    slope = sp.Matrix([sp.diff(square.as_expr(), x).xreplace(zero) for x in forces])
-    inverse = matrix.inv()
-    centre = -inverse * slope / 2
-    level = -square.as_expr().xreplace(dict(zip(forces, centre, strict=True)))
+    inverse = 2 * found[0].inv()
+    centre = -inverse * found[1] / 2
+    level = -square.xreplace(dict(zip(forces, centre, strict=True)))
     for row in dict.fromkeys(rows):
         way = inverse * sp.Matrix(row)
         square_of_way = (sp.Matrix(row).T * way)[0]
@@ -317,3 +314,89 @@ def _zero(load: sp.Expr, forces: Sequence[sp.Symbol], diameter: _Diameter) -> Fr
     level = load.xreplace(dict(zip(forces, map(rational, diameter.centre), strict=True)))
     rise = sum(sp.diff(load, x) * rational(w) for x, w in zip(forces, diameter.way, strict=True))
     return fraction(-level / rise) if rise and (level / rise).is_Rational else None
+
+
+# -- of a law kept as a graph ------------------------------------------------------------------------------------------
+
+_DIRECTIONS, _FEWEST, _PAIRS, _LENGTHS, _TURNS = 1500, 100, 4, 10, 3
+_LENGTH = 1_000_000  # letters of all definitions, beyond which fewer directions are looked at
+_SIZES, _BITS = np.exp2(np.arange(-10.0, 30.0)), 40
+_DIGITS = (2, 3, 4, 6, 9, 12)
+_BEST = 2  # of each length
+_NOISE_OF_GRAPH = 1e-11  # relative to the sizes of g
+
+
+def graph_chords(subject: GraphSubject, parameters: Values) -> Iterator[tuple[Point, Point]]:
+    """Ends in K with a midpoint that seems to lie outside, the plainest digits first."""
+    forces = subject.law.force_symbols()
+    rest = {x: float(v) for x, v in subject.values_at(parameters, [Fraction(0)] * len(forces)).items() if x not in forces}
+    program = compiled(subject.law.g, [*forces, *rest])
+
+    def g(at: Array) -> Array:
+        with np.errstate(all="ignore"):
+            return np.asarray(program(*np.moveaxis(at, -1, 0), *rest.values()) + np.zeros(at.shape[:-1]))
+
+    rng = np.random.default_rng(0)
+    length = sum(len(text) for _, text in subject.law.graph.nodes) if subject.law.graph else 0
+    directions = int(np.clip(_DIRECTIONS * _LENGTH / max(length, 1), _FEWEST, _DIRECTIONS))
+    zero = np.zeros(len(forces))
+    start = zero if g(zero) < 0.0 else lowest(g, len(forces), rng, (-2, 2))
+    if start is None or len(edge := _boundary(g, start, directions, rng)) < 2:
+        return
+    with np.errstate(all="ignore"):  # where g has no value, or an infinite one
+        found = [*_long(g, start, edge, rng), *_short(g, start, edge, rng)]
+    for a, b in found:
+        yield from _in_digits(a, b)
+
+
+def _boundary(g: Callable[[Array], Array], start: Array, directions: int, rng: np.random.Generator) -> Array:
+    """Points just inside of where rays from a point of K leave it."""
+    ways = rng.normal(size=(directions, len(start)))
+    ways /= np.linalg.norm(ways, axis=1, keepdims=True)
+    rays = Rays(g, start, ways)
+    last, first = rays.left(_SIZES, _BITS)
+    return rays.at(last)[last < first]
+
+
+def _long(g: Callable[[Array], Array], start: Array, edge: Array, rng: np.random.Generator) -> Iterator[tuple[Array, Array]]:
+    """Between two points of the boundary, a little nearer to the inner point."""
+    a, b = (start + (1.0 - 1e-6) * (edge[rng.integers(len(edge), size=_PAIRS * len(edge))] - start) for _ in range(2))
+    above = np.minimum(g(0.5 * (a + b)), -np.maximum(g(a), g(b)))
+    for i in np.argsort(-above)[:_BEST]:
+        if above[i] > 0.0:
+            yield a[i], b[i]
+
+
+def _short(g: Callable[[Array], Array], start: Array, edge: Array, rng: np.random.Generator) -> Iterator[tuple[Array, Array]]:
+    """Along tangents, both ends on one level."""
+    size = float(np.median(np.linalg.norm(edge - start, axis=1)))
+    steps = 1e-6 * size * np.eye(edge.shape[1])
+    slopes = np.stack([(g(edge + s) - g(edge - s)) / (2e-6 * size) for s in steps], axis=1)
+    steep = np.linalg.norm(slopes, axis=1, keepdims=True)
+    edge, slopes, steep = (x[np.isfinite(steep[:, 0]) & (steep[:, 0] > 0.0)] for x in (edge, slopes, steep))
+    normal, noise = slopes / steep, _NOISE_OF_GRAPH * float(np.max(steep, initial=0.0)) * size
+    for k in range(1, _LENGTHS + 1):
+        along = rng.normal(size=edge.shape)
+        along -= normal * np.sum(along * normal, axis=1, keepdims=True)
+        along *= size * 2.0**-k / np.maximum(np.linalg.norm(along, axis=1, keepdims=True), 1e-300)
+        middle = edge
+        for _ in range(_TURNS):
+            ahead, behind = g(middle + along), g(middle - along)
+            along = along - normal * ((ahead - behind)[:, None] / (2.0 * steep))
+            middle = middle - normal * (0.5 * (ahead + behind)[:, None] / steep)
+        ends, above = np.maximum(g(middle + along), g(middle - along)), g(middle)
+        gap = np.where(np.isfinite(ends + above), above - ends, -np.inf)
+        middle = middle - normal * ((ends + 0.5 * gap)[:, None] / steep)
+        for i in np.argsort(-gap)[:_BEST]:
+            if gap[i] > noise:
+                yield middle[i] + along[i], middle[i] - along[i]
+
+
+def _in_digits(a: Array, b: Array) -> Iterator[tuple[Point, Point]]:
+    """The ends rounded to a few digits of the chord's length, then to more, then as they are."""
+    first = -int(np.floor(np.log10(np.max(np.abs(a - b)))))
+    p, q = (tuple(Fraction(float(x)) for x in end) for end in (a, b))
+    for digits in _DIGITS:
+        one, two = (tuple(round(x, first + digits) for x in end) for end in (p, q))
+        yield one, two
+    yield p, q

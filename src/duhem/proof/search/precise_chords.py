@@ -23,8 +23,7 @@ from duhem.expression.number import fraction
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.facts.subject import Point, Values, rationals
 from duhem.proof.search.boundary_points import Chord
-from duhem.proof.search.corners import crossings
-from duhem.proof.search.edges import edges
+from duhem.proof.search.corners import crossings, edges
 
 __all__ = ["chords_beside_edges", "dent_chords", "kink_chords"]
 
@@ -70,7 +69,8 @@ def dent_chords(subject: FormulaSubject, parameters: Values, direction: Sequence
     if not 0 < length < context.inf:
         return
     normal = [c / length for c in slope]
-    frame = _tangents(context, normal)
+    across = context.qr(context.matrix(normal))[0]
+    frame = [[across[i, k] for i in range(len(normal))] for k in range(1, len(normal))]  # unit vectors across the normal and each other
 
     def bend(t: Any, tangent: Sequence[Any]) -> Any:
         return value(_moved(x, (t, tangent))) + value(_moved(x, (-t, tangent)))
@@ -89,12 +89,6 @@ def dent_chords(subject: FormulaSubject, parameters: Values, direction: Sequence
 def _moved(x: Sequence[Any], *steps: tuple[Any, Sequence[Any]]) -> list[Any]:
     """By some lengths along some ways."""
     return [sum((length * way[i] for length, way in steps), c) for i, c in enumerate(x)]
-
-
-def _tangents(context: Any, normal: Sequence[Any]) -> list[list[Any]]:
-    """Unit vectors across the normal and each other."""
-    across = context.qr(context.matrix(normal))[0]
-    return [[across[i, k] for i in range(len(normal))] for k in range(1, len(normal))]
 
 
 def _least(context: Any, frame: Sequence[Sequence[Any]], bend: Callable[[Sequence[Any]], Any]) -> list[Any] | None:

@@ -27,6 +27,7 @@ from duhem.expression.branches import Seam, almost_everywhere, jacobian, seams
 from duhem.expression.number import plain_exponent, rational
 from duhem.expression.text import formula
 from duhem.proof.decide import Sense
+from duhem.proof.facts.curve_subject import cross
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.facts.plane_section import LocalPiece, PlaneSection, kinks_decided, local_pieces
 from duhem.proof.facts.subject import Values
@@ -67,11 +68,8 @@ def corner(subject: FormulaSubject, parameters: Values, section: PlaneSection, n
 
 def _defined(piece: LocalPiece, switch: sp.Expr, box: Any) -> bool:
     """Whether the formula as written has a value on this side of the seam, over the box; on the seam itself it may be 0/0."""
-    for expr, sense in piece.needed:
-        sign = _beside(expr, switch, piece.signs[switch], box)
-        if sign is None or (sign != 1 if sense is not Sense.ZERO else sign == 0):
-            return False
-    return True
+    signs = ((_beside(expr, switch, piece.signs[switch], box), sense) for expr, sense in piece.needed)
+    return all(sign == 1 or (sign == -1 and sense is Sense.ZERO) for sign, sense in signs)
 
 
 def _beside(expr: sp.Expr, switch: sp.Expr, side: int, box: Any) -> int | None:
@@ -107,7 +105,7 @@ def _normals(
         crossing = [one, two]
     else:
         return None
-    certain = all(certain_sign(_cross(n, along)) in (-1, 1) for n in crossing) and certain_sign(_cross(one, two)) in (-1, 1)
+    certain = all(certain_sign(cross(n, along)) in (-1, 1) for n in crossing) and certain_sign(cross(one, two)) in (-1, 1)
     return full if certain and all(c.is_finite() for n in full for c in n) else None
 
 
@@ -142,13 +140,9 @@ def _shown(
 def _across(a: Sequence[Any], b: Sequence[Any]) -> Any:
     """Their cross product; in more than two forces its square, the sum of all minors' squares."""
     if len(a) == 2:
-        return _cross(a, b)
+        return cross(a, b)
     minors = [a[i] * b[j] - a[j] * b[i] for j in range(len(a)) for i in range(j)]
     return sum((m * m for m in minors), ball(Fraction(0)))
-
-
-def _cross(a: Sequence[Any], b: Sequence[Any]) -> Any:
-    return a[0] * b[1] - a[1] * b[0]
 
 
 def _has_zero(system: Any, jacobian: Any, centre: Any, box: Any, radius: Fraction) -> bool:
@@ -271,11 +265,6 @@ def _over_t(expr: sp.Expr) -> sp.Expr | None:
 
 def _power_taken_out(term: sp.Expr) -> tuple[sp.Expr, sp.Expr]:
     """(c, k) of c t^k, k a fraction; other parts of c may have t in them."""
-    power, rest = sp.S.Zero, list[sp.Expr]()
-    for factor in sp.Mul.make_args(term):
-        base, exponent = factor.as_base_exp()
-        if base == _T and plain_exponent(exponent).is_Rational:
-            power += plain_exponent(exponent)
-        else:
-            rest.append(factor)
-    return sp.Mul(*rest), power
+    parts = [(factor, *factor.as_base_exp()) for factor in sp.Mul.make_args(term)]
+    powers = {factor: k for factor, base, exponent in parts if base == _T and (k := plain_exponent(exponent)).is_Rational}
+    return sp.Mul(*(factor for factor, *_ in parts if factor not in powers)), sp.Add(*powers.values())

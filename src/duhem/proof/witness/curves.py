@@ -113,7 +113,7 @@ def _witness(
 ) -> Witness:
     """A violation at sigma_n = -1 and points by role: of the boundary by the tangent of half the angle, others by their coordinates."""
     law = subject.law
-    table, known = law.symbols(), {**subject.fixed, **values}
+    table, known = law.symbols(), {**law.fixed_values(), **values}
     written = {
         role: {f"tan_half_{law.angle}": str(subject.sense * at)}
         if isinstance(at, Fraction)
