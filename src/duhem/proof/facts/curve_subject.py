@@ -12,20 +12,24 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property, partial
-from itertools import pairwise
+from itertools import chain, islice, pairwise
+from random import Random
 from typing import Any
 
 import flint
 import sympy as sp
 
 from duhem.errors import InputError
-from duhem.expression import defined_at
+from duhem.expression import defined_at, holds_at
 from duhem.expression.angles import algebraic_angles
 from duhem.expression.ball_series import compiled, derivatives
 from duhem.expression.balls import ball, certain_sign
+from duhem.expression.number import fraction
 from duhem.expression.parse import parse_as_written
 from duhem.expression.text import formula
 from duhem.law.curve_law import ParametricCriterion
+from duhem.law.domain import Domain
+from duhem.law.parameter_domain import simple_points
 from duhem.proof.decide import EFFORTS, Budget
 from duhem.proof.decide.question import Obligation, obligations
 from duhem.proof.facts.subject import Subject, Values, rationals
@@ -303,3 +307,36 @@ class CurveSubject(Subject):
     def _numeric(self, boundary: Sequence[sp.Expr], flow: Sequence[sp.Expr] | None) -> NumericCurve:
         """For one look around the curve: with half of the steps that are left."""
         return NumericCurve(boundary, flow, self.cosine, self.sine, self.budget.part(self.budget.left // 2))
+
+    def choices(self, most: int) -> Iterator[Values]:
+        """Exact values of the free parameters inside the domain: the plainest first, then ends of ranges and random ones over decades."""
+        if not self.free:
+            yield {}
+            return
+        rng = Random(7)
+        domains = {x: self.law.parameters[x.name] for x in self.free}
+        plain = [{x: point[x] for x in self.free} for point in simple_points(self.law)]
+        middle = plain[-1]
+        drawn = ({x: _drawn(domain, rng) for x, domain in domains.items()} for _ in range(40 * most))
+        ends = ({**middle, x: end} for x in self.free for end in _closed_ends(domains[x]))
+        others = chain.from_iterable(zip(ends, drawn))  # noqa: B905
+        admitted = (point for point in chain(plain, others, drawn) if all(holds_at(r, point) for r in self.given))
+        for point in islice(admitted, most):
+            yield {x: fraction(value) for x, value in point.items()}
+
+
+def _closed_ends(domain: Domain) -> Iterator[sp.Rational]:
+    """The ends of a range that belong to it."""
+    if domain.low is not None and not domain.positive:
+        yield domain.low
+    if domain.high is not None:
+        yield domain.high
+
+
+def _drawn(domain: Domain, rng: Random) -> sp.Rational:
+    size = sp.Rational(round(10 ** rng.uniform(1, 3)), 100)
+    if domain.low is None and domain.high is None:
+        return rng.choice((-1, 1)) * size
+    if domain.low is not None and domain.high is not None:
+        return domain.low + (domain.high - domain.low) * sp.Rational(rng.randint(1, 99), 100)
+    return domain.high - size if domain.low is None else domain.low + size
