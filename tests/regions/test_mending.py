@@ -315,3 +315,9 @@ def test_scales_stay_free() -> None:
 def test_numbers_are_written_without_exponents() -> None:
     assert [decimal(x) for x in (1e-7, -0.00125, 1234567.0, 2.0)] == ["0.0000001", "-0.00125", "1234570", "2"]
     assert linear((1.0, -2.5), ("x", "y")) == "1*x - 2.5*y" and linear((0.0, 1.0), ("x", "y")) == "1*y"
+
+
+def test_a_parameter_that_is_fixed_is_asked_for_its_sign_and_that_is_said() -> None:
+    """x^4 + c x^2 y^2 + y^4 is convex for 0 <= c <= 6, and c < 0 is not looked at where it is 9."""
+    law = Criterion("quartic", "x**4 + c*x**2*y**2 + y**4 - 1", {"c": duhem.Domain.fixed(9)}, ("x", "y"), None)
+    assert duhem.mend(law, by="parameters").told == "c from 9 to 6; where c > 0, convexity holds exactly for c <= 6"

@@ -78,6 +78,21 @@ def test_scales_are_set_to_one() -> None:
     assert "where mu_b = 1" in done.sentence
 
 
+@pytest.mark.parametrize(
+    ("g", "ends"),
+    [
+        ("where(c <= 0, (x**2 + y**2)*(x - 1), x - 1)", []),  # K is {x <= 1} for all c, but for c <= 0 no rule shows it
+        ("x**4 + c*x**2*y**2 + y**4 - 1", [("0", True)]),
+        ("max(x**4 + c*x**2*y**2 + y**4 - 1, where(c <= 1/2, x - 2, (x**2 + y**2)*(x - 2)))", []),
+    ],
+)
+def test_an_end_is_where_the_claim_is_refuted_beyond(g: str, ends: list[tuple[str, bool]]) -> None:
+    """Beside values that are open nobody knows whether the claim ceases to hold."""
+    done = duhem.region(duhem.Criterion("k", g, {"c": duhem.Domain.between(-1, 1)}, ("x", "y"), None), "c", steps=1_000_000)
+    assert done.stretches("proved") and [(end.value, end.closed) for end in done.ends] == ends
+    assert (f"{done.claim} still holds there" in repr(text(done))) is bool(ends)
+
+
 # -- held to the curvature of the boundary -----------------------------------------------------------------------------
 
 

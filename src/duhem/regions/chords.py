@@ -198,8 +198,7 @@ class _Lines(NamedTuple):
     def deepest(self) -> Array | None:
         """The two lines of which the midpoint is farthest outside; None where none is."""
         fitted = self.fitted()
-        known = np.asarray(np.isfinite(fitted).all(axis=1))
-        pairs = _PAIRS[:, known[_PAIRS].all(axis=0)]
+        pairs = _PAIRS[:, np.isfinite(fitted[_PAIRS]).all(axis=(0, 2))]
         depth = self.levels(fitted, pairs)
         return pairs[:, depth.argmax()] if depth.size and depth.max() > _ROUNDING else None
 

@@ -134,8 +134,8 @@ def _counted(region: PavedRegion) -> Iterator[tuple[str, ...]]:
 def _ends(region: FoundRegion) -> Iterator[str]:
     for end in region.ends:
         root = "" if end.enclosure[0] == end.enclosure[1] else f" = {float(sp.Rational(end.enclosure[0])):.12g}"
-        word = "still holds" if end.closed else "no longer holds"
-        yield f"{end.parameter} = {end.value}{root}: root of {end.polynomial}; {region.claim} {word} there"
+        still = "still" if end.closed else "no longer"
+        yield f"{end.parameter} = {end.value}{root}: root of {end.polynomial}; {region.claim} {still} holds there"
 
 
 @draw.register(FoundRegion)

@@ -224,9 +224,9 @@ class FoundRegion(Shown):
 
     @property
     def ends(self) -> tuple[RegionEnd, ...]:
-        """Where what is proved ends inside of the domain of one parameter; none of several."""
-        cells = self.stretches("proved") if len(self.parameters) == 1 else []
-        sides = ((cell[i], cell[i + 2]) for cell in cells for i in (0, 1) if cell[i] not in (None, self.everything[i]))
+        """Where what is proved and what is refuted meet, of one parameter; none of several."""
+        proved, refuted = (self.stretches(verdict) if len(self.parameters) == 1 else [] for verdict in ("proved", "refuted"))
+        sides = ((cell[i], cell[i + 2]) for cell in proved for i in (0, 1) if cell[i] and cell[i] in [one[1 - i] for one in refuted])
         return tuple(dict.fromkeys(_end(self.parameters[0], end, not left_out) for end, left_out in sides))
 
     @property
