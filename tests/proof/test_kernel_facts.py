@@ -5,12 +5,14 @@ Each line says the signs that a formula may have, its curvature, and whether it 
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 
 import mpmath
 import pytest
 
 from duhem.proof.kernel.bounds import Facts
+from duhem.proof.kernel.claims import objection
 from duhem.proof.kernel.curvature import over
 from duhem.proof.kernel.domain import StatedDomain
 from duhem.proof.kernel.stated_law import StatedLaw
@@ -93,6 +95,10 @@ CONSTANTS = [
     ("sqrt(m**2 + e) - m", "? affine"), ("sqrt(m**2 - m*e) - m", "<= affine undefined"), ("-m + sqrt(m**2)", "= affine"),
     ("tan(e)", ">= affine"), ("tan(3*e)", ">= affine"), ("tan(3.2*e)", "? affine undefined"), ("tan(-e)", "<= affine"),
     ("tan(e + 1) - tan(1/2)", "> affine"), ("tan(m)", "? affine undefined"),
+    ("pos(q*m) - m", "<= affine"), ("neg(q*m/2) - m", "< affine"), ("pos(q*m) - m/2", "? affine"), ("pos(m - e) - m", "<= affine"),
+    ("pos(m - p) - m", "< affine"), ("2*pos(m - e) - m", "? affine"), ("m - pos(m - e)", ">= affine"), ("m - neg(p - m)", "> affine"),
+    ("m - 2*pos(m - e)", "? affine"), ("2*m + p - abs(2*m - p)", "> affine"), ("2*m + e - abs(2*m - e)", ">= affine"),
+    ("m + q - abs(m - q)", "? affine"), ("m*pos(q) + neg(q) + k", "? affine"), ("k + pos(q - e) + neg(q)/3", "? affine"),
 ]  # fmt: skip
 
 FORMULAS = [
@@ -238,6 +244,19 @@ def test_signs_of_powers_between_ends_with_roots_cost_little(low: str) -> None:
         with within(500_000):
             shown = said(between.facts(parse(f"1/{x}**4 - {c}")))
         assert shown[0] == (">" if least > eval(c) else "<" if most < eval(c) else "?")
+
+
+@pytest.mark.parametrize("least", ["x - pos(x - y)", "y - pos(y - x)", "y - neg(x - y)", "(x + y - abs(x - y))/2"])
+def test_the_lesser_of_two_strengths_may_be_written_with_a_ramp(least: str) -> None:
+    """Friction m |s| up to the strength p + e |s|; with another share of the ramp the strength is below 0 somewhere."""
+
+    def strength(text: str) -> StatedLaw:
+        g = "norm(a, b) - (" + text.replace("x", "m*abs(s)").replace("y", "(p + e*abs(s))") + ")"
+        return StatedLaw.read({"forces": ("a", "b"), "pressure": "s", "parameters": PARAMETERS, "constraints": [], "g": g, "flow": None})
+
+    for text, proved in ((least, True), (re.sub(r"- (pos|neg|abs)", r"- 2*\1", least), False)):
+        for claim, rule in (("origin", "evaluation"), ("smoothness", "composition")):
+            assert (not objection(claim, rule, frozenset(), strength(text), {})) is proved
 
 
 REGIONS: list[tuple[dict[str, bool], list[tuple[str, str]]]] = [

@@ -45,7 +45,7 @@ from duhem.proof.kernel.polynomial import (
     total,
 )
 from duhem.proof.kernel.steps import pay
-from duhem.proof.kernel.term import COMPARISONS, NotWritten, Term, factors, minus, number, product_of, sum_of
+from duhem.proof.kernel.term import COMPARISONS, ENDS, NotWritten, Term, factors, minus, number, product_of, sum_of
 
 __all__ = ["added", "normal", "scaled"]
 
@@ -139,8 +139,7 @@ def added(parts: list[Term]) -> Term:
 # -- the normal form ---------------------------------------------------------------------------------------------------
 
 _HALF, _ZERO = number(Fraction(1, 2)), number(0)
-_ENDS = {"abs": (1, -1), "pos": (1, 0), "neg": (-1, 0)}  # what d is multiplied by, the greater of which is the kink of d
-_KINKS = (*_ENDS, "max", "min", "where")
+_KINKS = (*ENDS, "max", "min", "where")
 _LOAD = Term("name", name="the load")  # no name of a law has blanks
 _PRICE = 20  # steps for a part, beside what its polynomials cost
 _MOST_TERMS = 300  # of what is multiplied out
@@ -182,7 +181,7 @@ class _Form(NamedTuple):
         if term.op == "cosh":
             size = self._kink("abs", *term.args)
             return term if size.op == "abs" else Term("cosh", (size,))
-        if term.op in _ENDS:
+        if term.op in ENDS:
             return self._kink(term.op, *term.args)
         if term.op == "norm":
             return self._norm(term.args)
@@ -619,14 +618,14 @@ class _Form(NamedTuple):
             return term
         for i, part in enumerate(term.args):
             c, moving = apart(part, self.domain)
-            if len(moving) != 1 or moving[0].op not in _ENDS:
+            if len(moving) != 1 or moving[0].op not in ENDS:
                 continue
             (d,) = moving[0].args
             poly, rest = self._poly(d), sum_of(*term.args[:i], *term.args[i + 1 :])
             plain = len(poly) < 4 and not any(self._is_word(x) for m in poly for x, _ in m)
             if plain or self.domain.facts(c).sign & NEGATIVE:
                 continue
-            values = [self._reduced(self._poly(sum_of(rest, product_of(c, d, number(k))))) for k in _ENDS[moving[0].op]]
+            values = [self._reduced(self._poly(sum_of(rest, product_of(c, d, number(k))))) for k in ENDS[moving[0].op]]
             *words, inside = (len({x for m in v for x, _ in m if self._is_word(x)}) for v in (*values, poly))
             if max(words) <= inside and sum(map(len, values)) <= 2 * len(poly) + len(self._poly(rest)):
                 return self._extreme(Term("max", tuple(map(self._presented, values))))

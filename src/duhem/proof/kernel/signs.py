@@ -11,7 +11,7 @@ What is shown of the parts of a constant comes first.  If that leaves its sign o
 first; all but the first are for sums, products and names:
 
 1. a number that no parameter enters, and a wave over the ranges of its parameters, is enclosed (:mod:`constant_value`);
-2. a sum with |x| or with a root is compared with the rest of the sum by squares;
+2. a sum with |x| or a ramp has the signs of both sums that it may be, and one with a root is compared with its rest by squares;
 3. the polynomial that the constant is has terms of one sign, measured from ends of ranges and with multiples of constraints taken away
    (``StatedDomain.nonnegative``), is a constraint times something, has no Bernstein coefficient of the other sign, or its enclosures over
    boxes of the parameters have one sign; so it is asked of the constant as written, and of what is left of it without what it divides by
@@ -32,7 +32,7 @@ from duhem.proof.kernel.constant_value import sign_of_radicals, sign_over
 from duhem.proof.kernel.domain import ANY, NEGATIVE, POSITIVE, ZERO, Sign, StatedDomain
 from duhem.proof.kernel.identity import multiplied_through
 from duhem.proof.kernel.polynomial import Polynomial, in_powers, joined, replaced, root_of_square, times, total, written
-from duhem.proof.kernel.term import NotWritten, Term, factors, minus, number, product_of, sum_of
+from duhem.proof.kernel.term import ENDS, NotWritten, Term, factors, minus, number, product_of, sum_of
 
 __all__ = [
     "RAY", "Interval", "Line", "common_roots", "divided_by", "divides", "line", "nonnegative", "nonnegative_on_the_line", "on_the_line",
@@ -79,28 +79,28 @@ def sign_of_constant(term: Term, known: Sign, domain: StatedDomain) -> Sign:
 
 
 def _of_sum_with_a_size(term: Term, domain: StatedDomain) -> Sign:
-    """The sign of a sum that is < 0, or <= 0, although |x|, a norm or a root is one of its terms, perhaps times what is > 0.
+    """The sign of a sum that has |x| or a ramp as one of its terms; the sign < 0 or <= 0 where a norm or a root is one, times what is > 0.
 
-    Of one from which a root is taken away, the sign too that is > 0 in spite of it.
+    Of a sum from which a root is taken away, the sign too that is > 0 in spite of it.
     """
     for i, part in enumerate(term.args if term.op == "+" else ()):
         part = product_of(*(g for f in factors(part) for g in factors(domain.plain(f))))
-        sizes = [f for f in factors(part) if f.op in ("abs", "norm") or (f.op == "**" and f.args[1] == number(Fraction(1, 2)))]
+        sizes = [f for f in factors(part) if f.op in ("norm", *ENDS) or (f.op == "**" and f.args[1] == number(Fraction(1, 2)))]
         scale = product_of(*(f for f in factors(part) if f not in sizes))
         if len(sizes) != 1 or (way := domain.facts(scale).sign) not in (POSITIVE, NEGATIVE):
             continue
         (size,), rest = sizes, sum_of(*term.args[:i], *term.args[i + 1 :])
+        if size.op in ENDS:  # c |x| + y is c x + y or -c x + y, and c pos(x) + y is c x + y or y
+            ends = (product_of(scale, size.args[0], number(k)) for k in ENDS[size.op])
+            one, two = (domain.facts(Term("+", (*term.args[:i], end, *term.args[i + 1 :]))).sign for end in ends)
+            if one | two != ANY:
+                return one | two
+            continue
         if way == NEGATIVE:
             # of the root of a plain number squares leave a sum with the root again
             one_name = len(size.names() - {"pi"}) == len(term.names() - {"pi"}) == 1
             if size.op == "**" and one_name and (sign := _of_less_a_root(rest, scale, size.args[0], domain)) != ANY:
                 return sign
-            continue
-        if size.op == "abs":  # c |x| + y < 0 where c x + y < 0 and -c x + y < 0
-            x = product_of(scale, size.args[0])
-            signs = [domain.facts(Term("+", (*term.args[:i], side, *term.args[i + 1 :]))).sign for side in (x, minus(x))]
-            if not (signs[0] | signs[1]) & POSITIVE:
-                return signs[0] | signs[1]
             continue
         # c |x| + y <= 0 where y <= 0 and c^2 x . x <= y^2; so is c sqrt(x) + y where c^2 x <= y^2
         squares = size.args[:1] if size.op == "**" else [Term("*", (a, a)) for a in size.args]

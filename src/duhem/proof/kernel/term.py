@@ -14,8 +14,8 @@ from typing import NamedTuple
 from duhem.proof.kernel.steps import pay
 
 __all__ = [
-    "COMPARISONS", "UNREADABLE", "WORDS", "NotWritten", "Term", "bounded", "definitions", "factors", "in_words", "minus", "number", "parse",
-    "product_of", "sign_of", "sum_of",
+    "COMPARISONS", "ENDS", "UNREADABLE", "WORDS", "NotWritten", "Term", "bounded", "definitions", "factors", "in_words", "minus", "number",
+    "parse", "product_of", "sign_of", "sum_of",
 ]  # fmt: skip
 
 _OF_ONE = (
@@ -28,6 +28,7 @@ WORDS = {
     "atan2": (2, 2), "eigmax": (6, 6), "where": (3, 3),
 }  # fmt: skip
 COMPARISONS = ("<=", ">=", "<", ">")
+ENDS = {"abs": (1, -1), "pos": (1, 0), "neg": (-1, 0)}  # what x is multiplied by, the greater of which is the kink of x
 _JOINTS = ("and", "or")
 _NUMBER = r"(?P<digits>[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE](?P<scale>[+-]?[0-9]+))?"
 _TOKEN = re.compile(rf"[ \t\n\r]*(?P<token>(?P<number>{_NUMBER})|[^\W\d]\w*|\*\*|<=|>=|[-+*/(),<>])(?!=|(?<=/)/)")
