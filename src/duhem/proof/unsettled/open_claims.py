@@ -14,6 +14,8 @@ from functools import partial
 from itertools import chain, islice
 from typing import Any, NamedTuple
 
+import numpy as np
+
 from duhem.errors import InputError
 from duhem.expression.text import formula
 from duhem.law.curve_law import Law
@@ -142,7 +144,7 @@ class OpenClaims:
         with suppress(*UNREADABLE):
             first = [{name: Fraction(value) for name, value in bad.items()}] if bad and own else []
             choices, forms = partial(_with_k, asked), partial(self._same, asked, names)
-            actions = that_help(claim, asked.text, proved, found, choices, forms, own, first, self._tried)
+            actions = that_help(claim, asked.text, proved, found, choices, forms, own, first, self._tried, partial(_ranges, asked))
         if bad and not any(Verdict.REFUTED in action for action in actions) and claim not in _OF_G:
             actions = [*actions, f"{settings(bad)} (in floating point the claim seems to be violated there)"]
         if exhausted and not actions and subject.effort < EFFORTS["thorough"]:
@@ -223,6 +225,18 @@ def _has_k(asked: _OpenClaim, values: Mapping[str, Any]) -> bool:
     with suppress(InputError):
         return any(len(found.boundary) for found in scouts(FormulaSubject(law.fix(values)), 1))
     return False
+
+
+def _ranges(asked: _OpenClaim, values: Mapping[str, Any]) -> dict[str, Any]:
+    """Ranges of both forces of a law, twice as wide as most of the boundary that is found in floats at some values of the parameters."""
+    law, found = asked.law, dict[str, Any]()
+    with suppress(InputError):
+        if isinstance(law, Criterion) and len(law.forces) == 2 and law.pressure is None and not law.viscous and not law.forces_of_rates:
+            near = [abs(x) for one in scouts(FormulaSubject(law.fix(values)), _CHOICES) for x in one.boundary]
+            for name, size in zip(law.forces, 2 * np.quantile(near, 0.9, axis=0) if near else (), strict=False):
+                own, end = asked.text.get("domain", {}).get(name, {}), float(f"{size:.1g}")
+                found[name] = {"min": f"{-end:g}", "max": f"{end:g}"} | own
+    return found
 
 
 def _everything(asked: _OpenClaim, decide: DecideLaw | None) -> Callable[[str, Mapping[str, Any], Budget], Verdict | None] | None:

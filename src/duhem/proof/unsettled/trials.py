@@ -29,15 +29,17 @@ __all__ = ["Attempts", "Rewriting", "settings", "that_help"]
 
 Text = Mapping[str, Any]  # a law as the kernel reads it
 Choice = Mapping[str, Fraction]
+Ranges = Callable[[Choice], Text]  # those of the forces, of two without ends, that hold K at some values; empty where there are none
 Choices = Callable[[Iterable[Choice]], Iterable[Choice]]  # those of some at which K is not empty, and more
 Decide = Callable[[str, Text, Budget], Verdict | None]  # the verdict on a claim of a changed law; None where it is open
 _IN_ALL, _SHARE = 5_000_000, 2  # steps for all claims of a law; one claim may use 1/_SHARE of what is left
 _A_TRIAL, _A_KIND, _A_DECISION, _READING = 200_000, 400_000, 250_000, 5_000  # steps; for reading a law
+_A_BOX = 1_000_000  # steps for what is enclosed in ranges of the forces
 _BEFORE = ("origin", "convexity", "smoothness", "normality", "dissipation", "state_laws", "homogeneity")
 _TOLD = _BEFORE[:5]  # those of which it is said that they are proved too
 _PLAIN = tuple(map(Fraction, ("1", "2", "1/2", "1/10", "3", "-1")))
 _TURNS, _MOST_CHOICES, _MOST_FIXED = 7, 6, 4  # of plain values; of those at which everything that decides is asked
-_MOST_DECIDED, _MOST_DUALS = 12, 3  # times that everything is asked about one claim
+_MOST_DECIDED, _MOST_DUALS, _MOST_BOXED = 12, 3, 2  # times that everything is asked about one claim; choices tried in a box
 _LONGEST = 120  # letters of a constraint
 _MOST_FORCES = 3  # of a law that may be meant for one sign of a force
 _MOST_FORMS, _MOST_SINGLE, _MOST_SIGNS = 2, 2, 8  # beside g itself; of parameters that are 0; of constants whose sign is asked
@@ -68,7 +70,7 @@ class Attempts:
 def that_help(
     claim: str, law: Text, settled: frozenset[str], blocked: Blocked | None, choices: Choices,
     forms: Callable[[], Sequence[Rewriting]] = tuple, decide: Decide | None = None, first: Sequence[Choice] = (),
-    tried: Attempts | None = None,
+    tried: Attempts | None = None, ranges: Ranges = lambda values: {},
 ) -> list[str]:  # fmt: skip
     """What to do, so that the claim is settled: one action a kind, each seen to help.
 
@@ -93,7 +95,9 @@ def that_help(
     known, asked.steps = [*choices(_choices(law))], _A_KIND
     # where g has no value at a tip, it is no parameter that is to blame; a closed form takes long to look for
     alone = () if any(form.at_tip for form in forms()) or not known or claim == "duality" else sorted(known[0])
-    return _narrowed(law, alone, known, {}, asked) or _settling(law, forms(), part, known, choices, asked)
+    return (
+        _narrowed(law, alone, known, {}, asked) or _boxed(law, known, ranges, asked) or _settling(law, forms(), part, known, choices, asked)
+    )
 
 
 class _Asked:
@@ -139,6 +143,14 @@ class _Asked:
         self.steps -= purse.spent + _READING
         self.tried.steps -= purse.spent + _READING
         return claim in known
+
+    def encloses(self, law: Text) -> bool:
+        """Whether the kernel proves the claim where K is convex by enclosures in ranges of the forces."""
+        with within(_A_BOX if self.tried.steps > self.kept else 0) as purse, suppress(*UNREADABLE, TooDearError):
+            found = not objection("convexity", "curvature-in-a-box", frozenset(), stated(law), {})
+            self.tried.answers.setdefault(_key(law), {})["convexity"] = found
+        self.tried.steps -= purse.spent + _READING
+        return bool(self.tried.answers.get(_key(law))) and self(law)
 
     def keep(self, told: str, law: Text) -> str:
         """What to do, with the claims that are then proved too; the next claims are tried with it first."""
@@ -213,6 +225,16 @@ def _settling(
     return []
 
 
+def _boxed(law: Text, known: Sequence[Choice], ranges: Ranges, asked: _Asked) -> list[str]:
+    """Ranges of both forces in which K is shown to be convex by enclosures, at all values of the parameters or at plain ones."""
+    for values in ({}, *known[:_MOST_BOXED]) if asked.claim in ("convexity", "normality", "dissipation") else ():
+        if (box := ranges(values)) and asked.encloses(boxed := {**_with(law, values), "domain": box}):
+            told = (f"{x} = {{ {', '.join(f'{end} = {value}' for end, value in own.items())} }}" for x, own in box.items())
+            said = f"ask for forces near K alone: {' and '.join(told)} in the section [domain]"
+            return [asked.keep(f"{said} and {settings(values)}" if values else said, boxed)]
+    return []
+
+
 def _with_fewest(law: Text, told: str, g: str | None, fixed: Choice, part: frozenset[str], asked: _Asked) -> str:
     """What is proved with values fixed, with as few of them as may be, those of a ``part`` the longest, and one of these narrowed."""
     others = [name for name in fixed if name not in part]  # an effect that is gone at 0 is the likeliest that matters
@@ -256,7 +278,8 @@ def _choices(law: Text) -> Iterator[dict[str, Fraction]]:
     """A few plain values of the parameters, all together, within the constraints."""
     free = {name: list(_plain(domain)) for name, domain in law["parameters"].items() if not Bounds.read(domain).single}
     turns = product(range(_TURNS), (1, 0))  # of each at another place, and of all alike
-    tried = ({name: own[(k + step * (i % 3)) % len(own)] for i, (name, own) in enumerate(free.items())} for k, step in turns)
+    open_ = [name for name in free if Bounds.read(law["parameters"][name]).high is None]  # which have no middle
+    tried = ({x: own[(k + step * (i % 3) * (x in open_)) % len(own)] for i, (x, own) in enumerate(free.items())} for k, step in turns)
     seen = list[dict[str, Fraction]]()
     for choice in tried if all(free.values()) and free else ():
         if choice not in seen and len(seen) < _MOST_CHOICES and _inhabits(choice, law):
@@ -303,8 +326,9 @@ def _narrower(domain: Text) -> Iterator[tuple[dict[str, Any], str]]:
 
 
 def _plain(domain: Text) -> Iterator[Fraction]:
-    """A few plain values that lie in it, halves of its ends, its ends, and last 0, where an effect is gone."""
+    """A few plain values that lie in it: its middle, plain ones, halves of its ends, its ends, and last 0, where an effect is gone."""
     own = Bounds.read(domain)
     ends = [end for end in (own.high, own.low) if end is not None]
-    inside = dict.fromkeys(x for x in (*_PLAIN, *(end / 2 for end in ends), *ends) if x and own.holds(x))
-    yield from (*inside, *([Fraction(0)] if own.holds(Fraction(0)) else []))
+    middle = [Fraction(f"{float(sum(ends)) / 2:.2g}")] if len(ends) == 2 else []
+    inside = [x for x in (*middle, *_PLAIN, *(end / 2 for end in ends)) if x not in (0, *ends)]
+    yield from (x for x in dict.fromkeys((*inside, *filter(None, ends), Fraction(0))) if own.holds(x))
