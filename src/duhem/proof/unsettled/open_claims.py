@@ -74,6 +74,7 @@ _OF_ANY_K = ("origin", "state_laws", "thermal")  # of an empty K they are not pr
 _STEPS = 3_000_000
 DecideLaw = Callable[[Criterion, str, Budget], Verdict]  # the verdict on a claim of a law
 _CHOICES, _MOST_FORMS = 6, 12  # of parameters; looked at of one law
+_MOST = (0.05, 0.95)  # of the boundary that is found
 _LONGEST = 240  # letters of a part that is told
 _DIGITS = 6
 _NOISE = 1e-4  # of margins in floats, where slopes may be steep
@@ -232,10 +233,10 @@ def _ranges(asked: _OpenClaim, values: Mapping[str, Any]) -> dict[str, Any]:
     law, found = asked.law, dict[str, Any]()
     with suppress(InputError):
         if isinstance(law, Criterion) and len(law.forces) == 2 and law.pressure is None and not law.viscous and not law.forces_of_rates:
-            near = [abs(x) for one in scouts(FormulaSubject(law.fix(values)), _CHOICES) for x in one.boundary]
-            for name, size in zip(law.forces, 2 * np.quantile(near, 0.9, axis=0) if near else (), strict=False):
-                own, end = asked.text.get("domain", {}).get(name, {}), float(f"{size:.1g}")
-                found[name] = {"min": f"{-end:g}", "max": f"{end:g}"} | own
+            near = [x for one in scouts(FormulaSubject(law.fix(values)), _CHOICES) for x in one.boundary]
+            for name, (low, high) in zip(law.forces, np.quantile(near, _MOST, axis=0).T if near else (), strict=False):
+                ends = {end: f"{float(f'{x:.2g}'):g}" for end, x in (("min", 1.5 * low - 0.5 * high), ("max", 1.5 * high - 0.5 * low))}
+                found[name] = ends | asked.text.get("domain", {}).get(name, {})
     return found
 
 

@@ -88,6 +88,9 @@ def that_help(
         asked.steps = _A_KIND
         if (best := next(((told, changed) for told, changed in kind if asked(changed)), None)) is not None:
             found.append(asked.keep(*best))
+    if not found and blocked is not None and claim == "dissipation":  # the power may be a share of g and a rest, which is evidence
+        proved = (each for each in _ranges(law, blocked) if asked.decided(each[1]) is Verdict.PROVED)
+        found = [asked.keep(*each) for each in islice(proved, 1)]
     found = found or _with_least_lost(law, ((form.told, _changed(law, form.g, {})) for form in forms()), asked)
     part = frozenset[str]() if blocked is None else blocked.part.names().union(*(c.names() for c in blocked.signs))
     if found or refuted:
@@ -110,7 +113,7 @@ class _Asked:
 
     def decided(self, law: Text) -> Verdict | None:
         """Proved or refuted; None where it is open, or no steps are left."""
-        if self.decide is None:
+        if self.decide is None or (self.claim == "dissipation" and self(law)):  # which rests on other claims
             return Verdict.PROVED if self(law) else None
         key = self.claim, _key(law)
         if key not in self.tried.verdicts:
@@ -218,6 +221,7 @@ def _settling(
     single = ({**choice, x: zero} for choice in known[:1] for x in choice if choice[x] and Bounds.read(law["parameters"][x]).holds(zero))
     for values in ({}, *known[:_MOST_FIXED], *islice(choices(single), _MOST_SINGLE)):  # an effect that is switched off says least
         for told, g in bases if values else bases[1:]:
+            asked.steps = max(asked.steps, _A_TRIAL)
             if (verdict := asked.decided(_changed(law, g, values))) is Verdict.REFUTED:
                 return [_said(told, values, verdict)]
             if verdict is Verdict.PROVED:
@@ -263,7 +267,7 @@ def settings(values: Mapping[str, Any]) -> str:
 
 def _narrowed(law: Text, names: Sequence[str], known: Sequence[Choice], others: Choice, asked: _Asked) -> list[str]:
     """A part of the domain of one parameter, with one of the values known, in which the claim is proved, others fixed beside."""
-    parts = [(name, *part) for name in names for part in _narrower(law["parameters"][name])]
+    parts = [(name, *part) for name in names for part in _narrower(law["parameters"][name], [x[name] for x in known if len(known) == 1])]
     for name, domain, told in sorted(parts, key=lambda part: (" = " in part[2], law["parameters"][part[0]].get("max") is None)):
         holds, changed = Bounds.read(domain).holds, {**law, "parameters": {**law["parameters"], name: domain}}
         if any(holds(choice[name]) for choice in known) and asked(_with(changed, others)):
@@ -309,15 +313,15 @@ def _with(law: Text, fixed: Choice) -> Text:
     return {**law, "parameters": {**law["parameters"], **{name: {"value": str(value)} for name, value in fixed.items()}}}
 
 
-def _narrower(domain: Text) -> Iterator[tuple[dict[str, Any], str]]:
-    """Parts of a domain: above 0, from 1 or up to 1, or either half, below 0; as it is declared and in words."""
+def _narrower(domain: Text, values: Sequence[Fraction]) -> Iterator[tuple[dict[str, Any], str]]:
+    """Parts of a domain: above 0, from 1 or up to 1, or either half, from values or up to them, below 0; as declared and in words."""
     if (own := Bounds.read(domain)).single:
         return
     if own.sign() & (ZERO | NEGATIVE) and own.sign() & POSITIVE:
         yield {"positive": True, **({} if own.high is None else {"max": str(own.high)})}, "what is > 0 (positive = true)"
     beyond = Fraction(1) if own.low is None or own.low < 1 else own.low + 1
     end = beyond if own.low is None or own.high is None else (own.low + own.high) / 2
-    if own.holds(end) and end not in (own.low, own.high):
+    for end in (end for end in dict.fromkeys((end, *values)) if own.holds(end) and end not in (own.low, own.high, 0)):
         yield {"min": str(end), **({} if own.high is None else {"max": str(own.high)})}, f"min = {end}"
         below = {"positive": True} if own.open and own.low == 0 else {} if own.low is None else {"min": str(own.low)}
         yield {**below, "max": str(end)}, f"max = {end}"
