@@ -16,7 +16,6 @@ from duhem.proof.kernel.curvature import within_ranges
 from duhem.proof.kernel.deviatoric import deviatoric_readers
 from duhem.proof.kernel.domain import NEGATIVE, POSITIVE, StatedDomain, gap
 from duhem.proof.kernel.forms import degree_at_most
-from duhem.proof.kernel.identity import multiplied_out
 from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.kernel.term import COMPARISONS, NotWritten, Term, factors, minus, number, product_of, sum_of
 from duhem.proof.unsettled.limits import short, split, times
@@ -32,22 +31,12 @@ def other_forms(read: StatedLaw) -> Iterator[tuple[Term, Term, bool]]:
     for part in g.args if g.op == "max" else (g,):
         with suppress(NotWritten):
             yield from ((part, new, known) for way in (_root_alone, _divided) for new, known in way(part, domain))
-    if (sized := g.put({x: Term("**", (Term("abs", x.args[:1]), x.args[1])) for x in g.parts() if _may_be_undefined(x, domain)})) != g:
-        yield g, sized, False
     for part in g.parts():
         with suppress(NotWritten):
             if part.op == "*":
                 yield from ((part, new, False) for new in (*_without_brackets(part, domain), *_by_sides(part, domain)))
             if part.op == "where" and not domain.constant(part):
                 yield from ((part, new, False) for new in _without_condition(part))
-
-
-def _may_be_undefined(x: Term, domain: StatedDomain) -> bool:
-    """Whether it is a power > 0 of what may be < 0, and no whole one, and nothing in it is such a power."""
-    if x.op != "**" or domain.constant(x) or (x.args[1].op == "number" and x.args[1].value.denominator == 1):
-        return False
-    undefined = domain.facts(x.args[1]).sign == POSITIVE and domain.facts(x.args[0]).sign & NEGATIVE
-    return bool(undefined) and not any(_may_be_undefined(y, domain) for y in x.args[0].parts())
 
 
 def _root_alone(part: Term, domain: StatedDomain) -> Iterator[tuple[Term, bool]]:
@@ -73,10 +62,10 @@ def _divided(part: Term, domain: StatedDomain) -> Iterator[tuple[Term, bool]]:
     moving = (f for a in (part.args if part.op == "+" else ()) for f in factors(a) if f.op not in ("name", "+") and not domain.constant(f))
     for f in dict.fromkeys(moving):
         base, power = f.args if f.op == "**" else (f, _ONE)
-        readers = () if any(x.op == "where" for x in f.parts()) else deviatoric_readers(f, domain)
-        beside = {reader.sign(f) for reader in readers if reader.degree(f) == 0}  # where J2 = 0 such a factor has no value
+        whole = all(x.op != "where" for x in f.parts())  # then such a factor has no value where J2 = 0
+        beside = {reader.sign(f) for reader in deviatoric_readers(f, domain) if whole and reader.degree(f) == 0}
         if (known := POSITIVE in (domain.facts(f).sign, *beside)) or (f.op == "**" and degree_at_most(base, domain) is None):
-            yield times(part, base, short(multiplied_out(minus(power), domain)), domain), known
+            yield times(part, base, minus(power), domain), known
 
 
 def _without_brackets(part: Term, domain: StatedDomain) -> Iterator[Term]:

@@ -1,7 +1,6 @@
 """What is said of a claim that stays open: the inequality, the part of the formula that no rule reads, the closest place, and what helps.
 
-A suggestion was tried on the law, and the claim was then proved, or refuted as it says.  One is not tried, and says so: more steps, where
-they ran out.
+A suggestion was tried on the law, and the claim was then proved, or refuted as it says.
 """
 
 from __future__ import annotations
@@ -23,7 +22,7 @@ from duhem.law.domain import Domain
 from duhem.law.formula_law import Criterion
 from duhem.proof.certificate import law_as_text
 from duhem.proof.claims import EVERY
-from duhem.proof.decide import EFFORTS, Budget
+from duhem.proof.decide import Budget
 from duhem.proof.facts.formula_subject import FormulaSubject, RateSubject
 from duhem.proof.facts.graph_subject import GraphSubject
 from duhem.proof.facts.subject import Subject
@@ -36,7 +35,7 @@ from duhem.proof.unsettled.blocked import Blocked, blocked, required
 from duhem.proof.unsettled.forms import other_forms
 from duhem.proof.unsettled.limits import keeps_k, same_points, with_values
 from duhem.proof.unsettled.term_text import Names, in_text, names_of
-from duhem.proof.unsettled.trials import Attempts, Rewriting, settings, that_help
+from duhem.proof.unsettled.trials import Attempts, Rewriting, that_help
 from duhem.proof.verdict import CONTRADICTION, Evidence, Unsettled, Verdict
 
 __all__ = ["STATEMENT", "THEORY", "OpenClaims"]
@@ -74,7 +73,6 @@ _OF_ANY_K = ("origin", "state_laws", "thermal")  # of an empty K they are not pr
 _STEPS = 3_000_000
 DecideLaw = Callable[[Criterion, str, Budget], Verdict]  # the verdict on a claim of a law
 _CHOICES, _MOST_FORMS = 6, 12  # of parameters; looked at of one law
-_MOST = (0.05, 0.95)  # of the boundary that is found
 _LONGEST = 240  # letters of a part that is told
 _DIGITS = 6
 _NOISE = 1e-4  # of margins in floats, where slopes may be steep
@@ -130,7 +128,6 @@ class OpenClaims:
 
     def _explained(self, inequality: str, asked: _OpenClaim) -> Unsettled:
         claim, law, subject, settled = asked.claim, asked.law, asked.subject, asked.settled
-        exhausted = subject.budget.left * 8 < subject.budget.left + subject.budget.spent
         subject.allow(_STEPS)
         place, measure, margin = _closest(asked)
         bad = {x: place[x] for x in _free(law) if x in place} if margin is not None and margin < 0 else {}
@@ -146,10 +143,6 @@ class OpenClaims:
             first = [{name: Fraction(value) for name, value in bad.items()}] if bad and own else []
             choices, forms = partial(_with_k, asked), partial(self._same, asked, names)
             actions = that_help(claim, asked.text, proved, found, choices, forms, own, first, self._tried, partial(_ranges, asked))
-        if bad and not any(Verdict.REFUTED in action for action in actions) and claim not in _OF_G:
-            actions = [*actions, f"{settings(bad)} (in floating point the claim seems to be violated there)"]
-        if exhausted and not actions and subject.effort < EFFORTS["thorough"]:
-            actions = ["--effort thorough, which was not tried: the steps for this claim ran out before every method had tried"]
         part, why = (None, None) if found is None else _quoted(found, names)
         return Unsettled(inequality, part, why, place, measure, margin, tuple(actions))
 
@@ -229,12 +222,12 @@ def _has_k(asked: _OpenClaim, values: Mapping[str, Any]) -> bool:
 
 
 def _ranges(asked: _OpenClaim, values: Mapping[str, Any]) -> dict[str, Any]:
-    """Ranges of both forces of a law, twice as wide as most of the boundary that is found in floats at some values of the parameters."""
+    """Ranges of both forces of a law of two, twice as wide as most of the boundary that is found in floats at some values."""
     law, found = asked.law, dict[str, Any]()
-    with suppress(InputError):
-        if isinstance(law, Criterion) and len(law.forces) == 2 and law.pressure is None and not law.viscous and not law.forces_of_rates:
+    if isinstance(law, Criterion) and "g" in asked.text and (law.pressure, len(law.forces)) == (None, 2) and asked.claim != "duality":
+        with suppress(InputError):
             near = [x for one in scouts(FormulaSubject(law.fix(values)), _CHOICES) for x in one.boundary]
-            for name, (low, high) in zip(law.forces, np.quantile(near, _MOST, axis=0).T if near else (), strict=False):
+            for name, (low, high) in zip(law.forces, np.quantile(near, (0.05, 0.95), axis=0).T if near else (), strict=False):
                 ends = {end: f"{float(f'{x:.2g}'):g}" for end, x in (("min", 1.5 * low - 0.5 * high), ("max", 1.5 * high - 0.5 * low))}
                 found[name] = ends | asked.text.get("domain", {}).get(name, {})
     return found
