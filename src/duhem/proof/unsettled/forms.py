@@ -59,15 +59,12 @@ def _root_alone(part: Term, domain: StatedDomain) -> Iterator[tuple[Term, bool]]
 
 def _divided(part: Term, domain: StatedDomain) -> Iterator[tuple[Term, bool]]:
     """A sum divided by a factor of one of its terms, and whether that is known to be > 0, so that K stays."""
-    for f in dict.fromkeys(
-        f for a in (part.args if part.op == "+" else ()) for f in factors(a) if f.op != "name" and not domain.constant(f)
-    ):
+    for f in dict.fromkeys(x for a in part.args for x in factors(a) if x.op != "name") if part.op == "+" else ():
         base, power = f.args if f.op == "**" else (f, _ONE)
         # where J2 = 0 such a factor has no value, unless a choice gives it one
         beside = {r.sign(f) for r in deviatoric_readers(f, domain) if r.degree(f) == 0 and all(x.op != "where" for x in f.parts())}
-        if (known := POSITIVE in (domain.facts(f).defined and domain.facts(f).sign, *beside)) or (
-            f.op == "**" and degree_at_most(base, domain) is None
-        ):
+        known = POSITIVE in (domain.facts(f).defined and domain.facts(f).sign, *beside)
+        if not domain.constant(f) and (known or (f.op == "**" and degree_at_most(base, domain) is None)):
             yield times(part, base, minus(power), domain), known
 
 

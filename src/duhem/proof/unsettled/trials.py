@@ -87,9 +87,9 @@ def that_help(
     def by_evidence(changed: Text) -> bool:  # the power may be a share of g and a rest
         return claim == "dissipation" and not found and asked.decided(changed) is Verdict.PROVED
 
-    for kind, way in ((_signs, asked), (_ranges, asked), (_ranges, by_evidence)) if blocked is not None else ():
+    for kind, way in ((_signs, asked), (_ranges, asked), (_ranges, by_evidence)):
         asked.steps = _A_KIND
-        if (best := next(((told, changed) for told, changed in kind(law, blocked, choices) if way(changed)), None)) is not None:
+        if blocked is not None and (best := next((each for each in kind(law, blocked, choices) if way(each[1])), None)) is not None:
             found.append(asked.keep(*best))
     found = found or _with_least_lost(law, ((form.told, _changed(law, form.g, {})) for form in forms()), asked)
     part = frozenset[str]() if blocked is None else blocked.part.names().union(*(c.names() for c in blocked.signs))
@@ -229,9 +229,8 @@ def _boxed(law: Text, known: Sequence[Choice], ranges: Callable[[Choice], Text],
         box, asked.steps = ranges(values), _A_KIND
         if box and asked(boxed := {**_with(law, values), "domain": box}, rules=("curvature-in-a-box",)):
             told = " and ".join(f"{x} = {{ min = {own['min']}, max = {own['max']} }}" for x, own in box.items())
-            return [
-                asked.keep(f"ask for forces near K alone: {told} in the section [domain]{' and ' * bool(values)}{settings(values)}", boxed)
-            ]
+            fixed = " and " * bool(values) + settings(values)
+            return [asked.keep(f"ask for forces near K alone: {told} in the section [domain]{fixed}", boxed)]
     return []
 
 
