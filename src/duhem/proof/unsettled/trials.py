@@ -37,10 +37,10 @@ _BEFORE = ("origin", "convexity", "smoothness", "normality", "dissipation", "sta
 _TOLD = _BEFORE[:5]  # those of which it is said that they are proved too
 _PLAIN = tuple(map(Fraction, ("1", "2", "1/2", "1/10", "3", "-1")))
 _TURNS, _MOST_CHOICES, _MOST_FIXED = 7, 6, 4  # of plain values; of those at which everything that decides is asked
-_MOST_DECIDED, _MOST_DUALS, _MOST_BOXED = 13, 3, 2  # times that everything is asked about one claim; choices tried in a box
+_MOST_DECIDED, _MOST_DUALS, _MOST_BOXED = 16, 3, 2  # times that everything is asked about one claim; choices tried in a box
 _LONGEST = 120  # letters of a constraint
 _MOST_FORCES = 3  # of a law that may be meant for one sign of a force
-_MOST_FORMS, _MOST_SINGLE, _MOST_SIGNS = 1, 2, 8  # beside g itself; of parameters that are 0; of constants whose sign is asked
+_MOST_FORMS, _MOST_SINGLE, _MOST_SIGNS = 2, 2, 8  # beside g itself; of parameters that are 0; of constants whose sign is asked
 
 
 class Rewriting(NamedTuple):
