@@ -54,9 +54,20 @@ TOLD = [
     (law("q**2 + m**2*p**2*log(p/c)", {"m": POSITIVE, "c": POSITIVE}, "qp"), "origin",
         "log(p/c)", "at zero force", "write where(norm(q, p) > 0, m**2*p**2*log(p/c), 0) for m**2*p**2*log(p/c), if you mean 0 there"),
     (law("abs(t) - h*(s + n)**k", {"h": POSITIVE, "s": POSITIVE, "k": Domain.between("1/2", 1)}, "tn"), "convexity",
-        "(s + n)**k", "not shown to have a value", "write (abs(t)/h)**(1/k) - (s + n) for abs(t) - h*(s + n)**k: K stays the same"),
-    (law(QUADRATIC, {"x": POSITIVE, "y": POSITIVE, "k": ANY}), "smoothness", "a**2/x**2", "matrix is not shown to be positive semidefinite",
+        "(s + n)**k", "not shown to have a value", "ask for n >= 0 alone: n = { min = 0 } in the section [domain]"),
+    (law(QUADRATIC, {"x": POSITIVE, "y": POSITIVE, "k": ANY}), "smoothness", QUADRATIC, "no rule shows that its gradient is not 0",
         'add the constraint "'),
+    (law("q + m*p*log(p/c)", {"m": POSITIVE, "c": POSITIVE}, "pq", domain={"p": AT_LEAST_0, "q": AT_LEAST_0}), "smoothness", "log(p/c)",
+        "not shown to have a value", "write p + p_end for p, with the parameter p_end = { positive = true }"),
+    (law("t - m*n*log(-n/c)", {"m": POSITIVE, "c": POSITIVE}, "tn",
+         domain={"n": Domain.between(-5, 0), "t": AT_LEAST_0}), "smoothness", "log(-n/c)",
+        "not shown to have a value", "write n - n_end for n, with the parameter n_end = { positive = true }"),
+    (law("t + m*n*log(n/c)", {"m": POSITIVE, "c": POSITIVE}, "tn"), "smoothness", "log(n/c)", "not shown to have a value",
+        "with the parameter n_end = { positive = true } and n = { min = 0 } in the section [domain]"),
+    (law("-k*(1 + c*cos(2*lode(s))) + sqrt(3*J2(s))", {"k": POSITIVE, "c": Domain.between(0, "1/9")}, (), stress=Stress("s", "principal")),
+        "origin", "1/J2(s)**(3/2) in lode(s)", "at zero force", "write where(J2(s) > 0, lode(s), 0) for lode(s), if you mean 0 there"),
+    (law("-(1 + q/p)**sqrt(2)/(2 + q/p)**(3*sqrt(2)) + p/c", {"c": POSITIVE}, "pq", domain={"p": AT_LEAST_0, "q": AT_LEAST_0}), "origin",
+        "1/p", "at zero force", "if you mean 0 there"),
     (law("norm(a, b) - c*(1 - d)", {"c": POSITIVE, "d": ANY}), "dissipation",
         "norm(a, b)", "rise along the rays", 'add the constraint "d <= 1" (origin is proved then, too)'),
     (law("norm(a, b) - log(s/t)", {"s": POSITIVE, "t": POSITIVE}), "dissipation", "norm(a, b) - log(s/t)", "rays",
@@ -93,7 +104,7 @@ def opened(criterion: Criterion, claim: str) -> Unsettled:
 
 def written_out(criterion: Criterion, text: str) -> str:
     """A text with the invariants of the law's stress written out, as they are in the law."""
-    for word in () if criterion.stress is None else ("cos3theta", "J2"):
+    for word in () if criterion.stress is None else ("lode", "cos3theta", "J2"):
         text = text.replace(f"{word}({criterion.stress.name})", f"({criterion.stress.written_out(word, None)})")
     return text
 
@@ -120,6 +131,10 @@ def changed(criterion: Criterion, action: str) -> Criterion:
     if found := re.match(r"write (.*) for (.*), if you mean 0 there", action):
         limit, part = (written_out(criterion, text) for text in found.groups())
         more["g"] = criterion.written.replace(part, limit)
+    if found := re.match(r"write (\w+) ([+-]) (\w+) for \1, with the parameter", action):
+        more["g"] = re.sub(rf"\b{found[1]}\b", f"({found[1]} {found[2]} {found[3]})", criterion.written)
+        more["parameters"] = {**criterion.parameters, found[3]: POSITIVE}
+        more["domain"] = criterion.domain if found[1] in criterion.domain else {found[1]: AT_LEAST_0}
     if found := re.match(r"write (.*) for (.*) in psi", action):
         more |= {"energy": criterion.written_energy.replace(found[2], found[1]), "written_energy": ""}
     if found := re.match(r"write (.*) for g, which is", action):

@@ -262,7 +262,7 @@ seams, although its formula differs in the four quadrants.  The tip at zero forc
 sigma_n < 0 and does not belong to the boundary.
 
 Refutation: a corner that is enclosed in a box, with two normals that are provably not parallel; or an exact point from which
-open cones about two opposite directions leave K.
+open cones about two directions leave K, which are opposite or have a ray into K between them.
 
 A boundary curve is C^1 if it does not cross itself (it is convex, or T x T' > 0), is analytic in its angle, and T' is never 0.""",
         methods=(

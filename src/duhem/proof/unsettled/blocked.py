@@ -206,9 +206,11 @@ def _rough(g: Term, domain: StatedDomain, where: str) -> Blocked | None:
 
 
 def _smoothness(law: StatedLaw) -> Blocked | None:
-    domain = over(law)
-    found = _undefined((law.g,), domain) or _rough(law.g, domain, "on the boundary") or _convexity(law)
-    return found or Blocked(law.g, "is C^1, but no rule shows that its gradient is not 0 where g = 0")
+    """Name what may have no gradient; of what has one everywhere, what convexity lacks: of a convex g it is 0 at the least value alone."""
+    domain = within_ranges(law)
+    if (found := _undefined((law.g,), domain) or _rough(law.g, domain, "on the boundary")) is not None:
+        return found
+    return (_convexity(law) or Blocked(law.g, ""))._replace(part=law.g, why="is C^1, but no rule shows that its gradient is not 0 where g = 0")
 
 
 _FINDERS = {

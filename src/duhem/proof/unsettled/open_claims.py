@@ -32,7 +32,7 @@ from duhem.proof.search.boundary_points import scouts
 from duhem.proof.search.margins import least_margin
 from duhem.proof.unsettled.blocked import Blocked, blocked, required
 from duhem.proof.unsettled.forms import other_forms
-from duhem.proof.unsettled.limits import keeps_k, same_points, with_values
+from duhem.proof.unsettled.limits import keeps_k, named_around, same_points, with_values
 from duhem.proof.unsettled.term_text import Names, in_text, names_of
 from duhem.proof.unsettled.trials import Attempts, Rewriting, settings, that_help
 from duhem.proof.verdict import CONTRADICTION, Evidence, Unsettled, Verdict
@@ -147,7 +147,7 @@ class OpenClaims:
             actions = [*actions, f"{settings(bad)} (in floating point the claim seems to be violated there)"]
         if exhausted and not actions and subject.effort < EFFORTS["thorough"]:
             actions = ["--effort thorough, which was not tried: the steps for this claim ran out before every method had tried"]
-        part, why = (None, None) if found is None else _quoted(found, names)
+        part, why = (None, None) if found is None else _quoted(found, asked, names)
         return Unsettled(inequality, part, why, place, measure, margin, tuple(actions))
 
     def _same(self, asked: _OpenClaim, names: Names) -> list[Rewriting]:
@@ -166,11 +166,14 @@ def _inequality(claim: str, law: Law) -> str:
     return {**_INEQUALITIES, **own}.get(claim, EVERY[claim].statement)
 
 
-def _quoted(found: Blocked, names: Names) -> tuple[str, str]:
-    """The part that no rule reads as the law has it, and what is lacking."""
+def _quoted(found: Blocked, asked: _OpenClaim, names: Names) -> tuple[str, str]:
+    """The part that no rule reads as the law has it, with the word for a tensor that has it in its formula, and what is lacking."""
     text = in_text(found.part, names)
     if len(text) > _LONGEST:
         text = f"{text[: _LONGEST // 2]} ... {text[-_LONGEST // 2 :]}"
+    with suppress(*UNREADABLE):
+        around = named_around(parse(asked.text["g"]), found.part, names) if "g" in asked.text else []
+        text += "".join(f" in {names[x]}" for x in around[:1] if "(" in str(names[x]))
     return text, found.why
 
 

@@ -20,7 +20,7 @@ from duhem.proof.kernel.claims import needs_of, objection, rules_of
 from duhem.proof.kernel.curvature import over
 from duhem.proof.kernel.stated_law import StatedLaw, inhabited
 from duhem.proof.kernel.steps import TooDearError, within
-from duhem.proof.kernel.term import UNREADABLE, Term
+from duhem.proof.kernel.term import UNREADABLE, Term, minus, parse, sum_of
 from duhem.proof.unsettled.blocked import Blocked
 from duhem.proof.unsettled.term_text import in_text
 from duhem.proof.verdict import Verdict
@@ -88,6 +88,8 @@ def that_help(
             found.append(asked.keep(*best))
     found = found or _with_least_lost(law, ((form.told, _changed(law, form.g, {})) for form in forms()), asked)
     part = frozenset[str]() if blocked is None else blocked.part.names().union(*(c.names() for c in blocked.signs))
+    if claim == "smoothness" and "g" in law and not found:  # nothing else of a moved K is true of K itself
+        found = [told for told, changed in _moved(law, part) if asked(changed)][:1]
     if found or refuted:
         return [*found, *refuted]
     known, asked.steps = [*choices(_choices(law))], _A_KIND
@@ -196,6 +198,19 @@ def _ranges(law: Text, blocked: Blocked) -> Iterator[tuple[str, Text]]:
         for end, side in (("min", ">="), ("max", "<=")):
             action = f"ask for {force} {side} 0 alone: {force} = {{ {end} = 0 }} in the section [domain]"
             yield action, {**law, "domain": {**ranges, force: {end: "0"}}}
+
+
+def _moved(law: Text, part: frozenset[str]) -> Iterator[tuple[str, Text]]:
+    """Yield K moved along a load of a part by a parameter > 0: what is smooth then is so wherever the load is not 0, be there a tip or not."""
+    g, ranges = parse(law["g"]), law.get("domain", {})
+    for force, (side, sign) in product(sorted(part & {*law["forces"]}), (("min", "+"), ("max", "-"))):
+        x, end, own = Term("name", name=force), Term("name", name=f"{force}_end"), ranges.get(force, {"min": "0"})
+        if str(own.get(side)) == "0" and end.name not in law["parameters"]:
+            moved = in_text(g.put({x: sum_of(x, end if sign == "+" else minus(end))}), {})
+            told = f"write {force} {sign} {end.name} for {force}, with the parameter {end.name} = {{ positive = true }}"
+            told += "" if force in ranges else f" and {force} = {{ min = 0 }} in the section [domain]"
+            changed = {**law, "g": moved, "parameters": {**law["parameters"], end.name: {"positive": True}}, "domain": {**ranges, force: own}}
+            yield f"{told}: what is proved then is so of K wherever {force} is not 0", changed
 
 
 def _settling(
