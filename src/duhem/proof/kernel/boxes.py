@@ -2,8 +2,8 @@
 
 Let g be twice differentiable in the box and c a point of it with g(c) < 0.  If (sigma - c) . grad g > 0 wherever g = 0, then g is 0 at
 most once on each ray from c, so that K is star-shaped; if v . H v > 0 there, with v along the boundary and H the second derivatives, K is
-locally convex.  A closed connected set that is locally convex is convex (Tietze 1928, Nakajima 1928).  Both are asked in each part in
-which g may be 0; a part in which they are not shown is divided (R. E. Moore 1966, Interval analysis).
+locally convex.  A closed connected set that is locally convex is convex (Tietze 1928, Nakajima 1928).  Its boundary is C^1, as grad g is
+continuous and not 0 there.  Both are asked in each part in which g may be 0; a part in which they are not shown is divided (R. E. Moore 1966, Interval analysis).
 
 Parameters and the pressure are further sides of the box, by which nothing is differentiated.
 """
@@ -16,7 +16,7 @@ from fractions import Fraction
 from functools import cache, reduce
 from itertools import product
 
-from duhem.proof.kernel.bounds import ANY, NEGATIVE, POSITIVE, Bounds
+from duhem.proof.kernel.bounds import NEGATIVE, POSITIVE, ZERO, Bounds
 from duhem.proof.kernel.constant_value import Enclosure, enclosed, exact_value
 from duhem.proof.kernel.gradient import gradient
 from duhem.proof.kernel.stated_law import StatedLaw
@@ -26,7 +26,7 @@ from duhem.proof.kernel.term import NotWritten, Term, number, parse
 
 __all__ = ["convex_in_its_box"]
 
-_MOST_BOXES, _FINEST = 20_000, 4096  # the second for the least part of a side
+_MOST_BOXES, _FINEST, _NEARER = 20_000, 4096, 4  # the second for the least part of a side; places that are tried for c
 _PRICE = 7  # steps for a part of g, in a part of the box
 _SMOOTH = ("exp", "log", "sin", "cos", "tan", "sinh", "cosh", "tanh", "atan", "asin", "acos")
 _ZERO, _ONE, _TWO = (Enclosure.between(Fraction(n), Fraction(n)) for n in range(3))
@@ -37,17 +37,20 @@ _STILL: _Jet = (_ZERO,) * 5
 
 
 def convex_in_its_box(law: StatedLaw) -> bool:
-    """Whether the above is shown of g; c is 0 or, where that is not shown to be inside, the middle of the ranges."""
+    """Whether the above is shown of g; c is 0, the middle of the ranges, or a half or less of that."""
     sides = {**law.parameters, **dict(law.ranges)}
     names = sorted({*law.g.names(), *law.forces} - {"pi"})
     if len(law.forces) != 2 or law.viscous or law.of_rates:
         return False
     whole = {name: _side(sides.get(name, Bounds(None, None))) for name in names}
-    c, of = dict.fromkeys(law.forces, _ZERO), None
+    of, middle = None, {x: (whole[x].low + whole[x].high) // 2 for x in law.forces}
     with suppress(ValueError, ZeroDivisionError, NotWritten):
         of = coefficients(law.g, law.forces)
-    if any(whole[x].sign != ANY for x in c) or not _is_shown(law, c, {**whole, **c}, of):
-        c = {x: Enclosure(middle, middle) for x in c for middle in [_halves(whole[x])[1].low]}
+    zero = [dict.fromkeys(law.forces, _ZERO)] if all(whole[x].sign & ZERO for x in law.forces) else []
+    places = (*zero, *({x: Enclosure(y >> k, y >> k) for x, y in middle.items()} for k in range(_NEARER)))
+    c = next((here for here in places if _is_shown(law, here, {**whole, **here}, of)), None)
+    if c is None:
+        return False
     boxes, count = [whole], sum(1 for _ in law.g.parts())
     for _ in range(_MOST_BOXES):
         if not boxes:
