@@ -1,4 +1,4 @@
-"""Convexity of K in a box of two forces, by enclosures of the slopes and curvatures of g in parts of the box.
+"""Convexity and smoothness of K in a box of two forces, by enclosures of the slopes and curvatures of g in parts of the box.
 
 Let g be twice differentiable in the box and c a point of it with g(c) < 0.  If (sigma - c) . grad g > 0 wherever g = 0, then g is 0 at
 most once on each ray from c, so that K is star-shaped; if v . H v > 0 there, with v along the boundary and H the second derivatives, K is
@@ -36,8 +36,8 @@ _Jet = tuple[Enclosure, ...]  # slopes by both forces; second derivatives by the
 _STILL: _Jet = (_ZERO,) * 5
 
 
-def convex_in_its_box(law: StatedLaw) -> bool:
-    """Whether the above is shown of g; c is 0, the middle of the ranges, or a half or less of that."""
+def convex_in_its_box(law: StatedLaw, convex: bool = True) -> bool:
+    """Whether the above is shown of g; c is 0, the middle of the ranges, or a half or less of that.  Or that grad g is not 0, alone."""
     sides = {**law.parameters, **dict(law.ranges)}
     names = sorted({*law.g.names(), *law.forces} - {"pi"})
     if len(law.forces) != 2 or law.viscous or law.of_rates:
@@ -48,8 +48,8 @@ def convex_in_its_box(law: StatedLaw) -> bool:
         of = coefficients(law.g, law.forces)
     zero = [dict.fromkeys(law.forces, _ZERO)] if all(whole[x].sign & ZERO for x in law.forces) else []
     places = (*zero, *({x: Enclosure(y >> k, y >> k) for x, y in middle.items()} for k in range(_NEARER)))
-    c = next((here for here in places if _is_shown(law, here, {**whole, **here}, of)), None)
-    if c is None:
+    c = next((here for here in places if convex and _is_shown(law, here, {**whole, **here}, of)), None)
+    if convex and c is None:
         return False
     boxes, count = [whole], sum(1 for _ in law.g.parts())
     for _ in range(_MOST_BOXES):
@@ -78,8 +78,10 @@ def _halves(side: Enclosure) -> tuple[Enclosure, Enclosure]:
     return Enclosure(side.low, middle), Enclosure(middle, side.high)
 
 
-def _is_shown(law: StatedLaw, c: _Box, box: _Box, of: Mapping[tuple[int, int], Fraction] | None) -> bool:
+def _is_shown(law: StatedLaw, c: _Box | None, box: _Box, of: Mapping[tuple[int, int], Fraction] | None) -> bool:
     """Whether g keeps a sign in a part of the box, which is < 0 at c, or the boundary rises from c and curves towards it.
+
+    Without a c, whether g keeps a sign, or grad g is continuous and not 0.
 
     ``of`` are the coefficients of g where it is a polynomial of the two forces alone.
     """
@@ -87,10 +89,12 @@ def _is_shown(law: StatedLaw, c: _Box, box: _Box, of: Mapping[tuple[int, int], F
         found = _Derivatives(law.forces, box) if of is None else TaylorForm(of, [box[x] for x in law.forces])
         sign = found.value(law.g).sign
         if sign in (NEGATIVE, POSITIVE):
-            return sign == NEGATIVE or any(c[x].high < box[x].low or c[x].low > box[x].high for x in c)
+            return c is None or sign == NEGATIVE or any(c[x].high < box[x].low or c[x].low > box[x].high for x in c)
         p, q, pp, pq, qq = found.of(law.g)
     except (ValueError, ZeroDivisionError):
         return False
+    if c is None:
+        return not p.sign & q.sign & ZERO
     x, y = (box[name].plus(c[name].minus()) for name in law.forces)
     bend = _plus(_plus(_times(pp, q.power(2)), _times(qq, p.power(2))), _times(_TWO, _times(pq, _times(p, q))).minus())
     return _plus(_times(x, p), _times(y, q)).sign == POSITIVE == bend.sign
@@ -126,6 +130,8 @@ class _Derivatives:
                 return self._chained(_SOFTPLUS, x.args[1].args[0], {_SOFTPLUS.args[0].args[1]: self.value(x.args[1])})
             case "**":
                 return self._chained(Term("**", (_X, number(exact_value(term.args[1])))), x, {})
+            case "abs" if not self.value(x).sign & ZERO:
+                return tuple(d if self.value(x).low > 0 else d.minus() for d in self.of(x))
             case op if op in _SMOOTH:
                 return self._chained(Term(op, (_X,)), x, {})
         raise ValueError(f"no derivative of {term.op}")

@@ -471,7 +471,7 @@ RULES: Mapping[tuple[str, str], RuleRow] = {
         "(Tietze 1928, Nakajima 1928; Moore 1966)", True, most_forces=2,
     ),
     ("smoothness", "curvature-in-a-box"): RuleRow(
-        _NONE, lambda law, _: law.once(convex_in_its_box), obligations.nothing,
+        _NONE, lambda law, _: law.once(convex_in_its_box, False), obligations.nothing,
         "grad g is continuous and not 0 wherever g = 0, by enclosures in parts of the ranges of the forces (Moore 1966)", True, most_forces=2,
     ),
     ("smoothness", "composition"): RuleRow(
