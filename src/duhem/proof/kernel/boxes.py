@@ -2,8 +2,10 @@
 
 Let g be twice differentiable in the box and c a point of it with g(c) < 0.  If (sigma - c) . grad g > 0 wherever g = 0, then g is 0 at
 most once on each ray from c, so that K is star-shaped; if v . H v > 0 there, with v along the boundary and H the second derivatives, K is
-locally convex.  A closed connected set that is locally convex is convex (Tietze 1928, Nakajima 1928).  Its boundary is C^1, as grad g is
-continuous and not 0 there.  Both are asked in each part in which g may be 0; a part in which they are not shown is divided (R. E. Moore 1966, Interval analysis).
+locally convex.  A closed connected set that is locally convex is convex (Tietze 1928, Nakajima 1928).  Both are asked in each part in
+which g may be 0; a part in which they are not shown is divided (R. E. Moore 1966, Interval analysis).
+
+The boundary of any K is C^1 where grad g is continuous and not 0, which is asked in the same way.
 
 Parameters and the pressure are further sides of the box, by which nothing is differentiated.
 """
@@ -30,7 +32,7 @@ _MOST_BOXES, _FINEST, _NEARER = 20_000, 4096, 4  # the second for the least part
 _PRICE = 7  # steps for a part of g, in a part of the box
 _SMOOTH = ("exp", "log", "sin", "cos", "tan", "sinh", "cosh", "tanh", "atan", "asin", "acos")
 _ZERO, _ONE, _TWO = (Enclosure.between(Fraction(n), Fraction(n)) for n in range(3))
-_X, _SOFTPLUS = Term("name", name="x"), parse("log(1 + exp(x))")
+_X, _E, _SOFTPLUS = Term("name", name="x"), Term("name", name="exponent of x"), parse("log(1 + exp(x))")
 _Box = Mapping[str, Enclosure]
 _Jet = tuple[Enclosure, ...]  # slopes by both forces; second derivatives by the first alone, by both, by the second alone
 _STILL: _Jet = (_ZERO,) * 5
@@ -128,17 +130,19 @@ class _Derivatives:
                 return tuple(_times(still, d) for d in reduce(_multiplied, moving)[1])
             case "log" if x.op == "+" and len(x.args) == 2 and x.args[0] == number(1) and x.args[1].op == "exp":
                 return self._chained(_SOFTPLUS, x.args[1].args[0], {_SOFTPLUS.args[0].args[1]: self.value(x.args[1])})
-            case "**":
-                return self._chained(Term("**", (_X, number(exact_value(term.args[1])))), x, {})
+            case "**" if not (e := term.args[1]).names() & self.forces:
+                with suppress(NotWritten):
+                    return self._chained(Term("**", (_X, number(exact_value(e)))), x, {})
+                return self._chained(Term("**", (_X, _E)), x, {}, self.value(e))
             case "abs" if not self.value(x).sign & ZERO:
                 return tuple(d if self.value(x).low > 0 else d.minus() for d in self.of(x))
             case op if op in _SMOOTH:
                 return self._chained(Term(op, (_X,)), x, {})
         raise ValueError(f"no derivative of {term.op}")
 
-    def _chained(self, outer: Term, inner: Term, done: dict[Term, Enclosure]) -> _Jet:
+    def _chained(self, outer: Term, inner: Term, done: dict[Term, Enclosure], exponent: Enclosure = _ONE) -> _Jet:
         """Of ``outer`` in x with the value of ``inner`` for x; what is ``done`` was enclosed before."""
-        box = {_X.name: self.value(inner)}
+        box = {_X.name: self.value(inner), _E.name: exponent}
         d, dd = (enclosed(each, box, done=done) for each in _derived(outer))
         p, q, *bends = self.of(inner)
         squares = (p.power(2), _times(p, q), q.power(2))

@@ -210,7 +210,9 @@ def _smoothness(law: StatedLaw) -> Blocked | None:
     domain = within_ranges(law)
     if (found := _undefined((law.g,), domain) or _rough(law.g, domain, "on the boundary")) is not None:
         return found
-    return (_convexity(law) or Blocked(law.g, ""))._replace(part=law.g, why="is C^1, but no rule shows that its gradient is not 0 where g = 0")
+    return (_convexity(law) or Blocked(law.g, ""))._replace(
+        part=law.g, why="is C^1, but no rule shows that its gradient is not 0 where g = 0"
+    )
 
 
 _FINDERS = {
