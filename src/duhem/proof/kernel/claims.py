@@ -472,7 +472,8 @@ RULES: Mapping[tuple[str, str], RuleRow] = {
     ),
     ("smoothness", "curvature-in-a-box"): RuleRow(
         _NONE, lambda law, _: law.once(convex_in_its_box, False), obligations.nothing,
-        "grad g is continuous and not 0 wherever g = 0, by enclosures in parts of the ranges of the forces (Moore 1966)", True, most_forces=2,
+        "grad g is continuous and not 0 wherever g = 0, by enclosures in parts of the ranges of the forces (Moore 1966)", True,
+        most_forces=2,
     ),
     ("smoothness", "composition"): RuleRow(
         _NONE, smoothness, obligations.formula_where_loads_allow,

@@ -337,8 +337,8 @@ def _on_edges(g: sp.Expr, forces: Sequence[sp.Symbol], pointed: Sequence[tuple[i
 
 
 def _ways(dimension: int) -> list[Point]:
-    """Directions of small whole numbers, each with its opposite: all of them in few forces, else some at random (fixed seed), axes, and that
-    of a pressure in a stress.
+    """Directions of small whole numbers, each with its opposite: all of them in few forces, else some at random (fixed seed), axes and the
+    pressure of a stress.
     """
     if dimension <= 3:
         return [tuple(map(Fraction, way)) for way in product(range(-2, 3), repeat=dimension) if any(way)]

@@ -94,7 +94,7 @@ def _above(g: Term, part: Term, names: Names) -> list[Term]:
 
 
 def named_around(g: Term, part: Term, names: Names) -> list[Term]:
-    """Parts with a name that hold a part, the smallest first; of the words of a tensor those that the law writes, and not what is in these."""
+    """Parts with a name that hold a part, the smallest first; of the words of a tensor those that the law writes, not what is in them."""
     found = [x for x in g.parts() if x != part and part in x.parts() and isinstance(names.get(x), str)]
     words = [x for x in found if "(" in str(names[x])]
     return [x for x in found if x not in words or x in g.put({y: _ZERO for y in words if y != x and x in y.parts()}).parts()]

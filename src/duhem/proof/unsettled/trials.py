@@ -201,7 +201,7 @@ def _ranges(law: Text, blocked: Blocked) -> Iterator[tuple[str, Text]]:
 
 
 def _moved(law: Text, part: frozenset[str]) -> Iterator[tuple[str, Text]]:
-    """Yield K moved along a load of a part by a parameter > 0: what is smooth then is so wherever the load is not 0, be there a tip or not."""
+    """Yield K moved along a load of a part by a parameter > 0: what is smooth then is so wherever the load is not 0."""
     g, ranges = parse(law["g"]), law.get("domain", {})
     for force, (side, sign) in product(sorted(part & {*law["forces"]}), (("min", "+"), ("max", "-"))):
         x, end, own = Term("name", name=force), Term("name", name=f"{force}_end"), ranges.get(force, {"min": "0"})
