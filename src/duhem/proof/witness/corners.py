@@ -177,10 +177,10 @@ def sharp_point(
             if all(_Cone(subject.simple.forces, place, way, wide, reach).sign(g) == sign for way, wide, sign in ends):
                 ways = {"corner": [Fraction(0)] * len(away), "outside": away, "opposite": opposite, "inside": into}
                 points = {role: [x + reach * c for x, c in zip(place, way, strict=True)] for role, way in ways.items()}
-                between = " between them" if lean else ""
+                where = " between" if lean else ""
                 statement = (
                     "g > 0 on all of the ways from the corner to `outside` and to `opposite`, and on those beside them (each force by up "
-                    f"to {width * reach} at the end), and g < 0 on the way to `inside`{between}: no half-space is tangent to K at the corner"
+                    f"to {width * reach} at the end), and g < 0 on the way to `inside`{where}: no half-space is tangent to K at the corner"
                 )
                 shown = {role: subject.values_at(parameters, point) for role, point in points.items()}
                 return witness(subject, shown, {}, statement, {"beside": float(width * reach)})
