@@ -209,13 +209,8 @@ def _moved(law: Text, part: frozenset[str]) -> Iterator[tuple[str, Text]]:
             moved = in_text(g.put({x: sum_of(x, end if sign == "+" else minus(end))}), {})
             told = f"write {force} {sign} {end.name} for {force}, with the parameter {end.name} = {{ positive = true }}"
             told += "" if force in ranges else f" and {force} = {{ min = 0 }} in the section [domain]"
-            changed = {
-                **law,
-                "g": moved,
-                "parameters": {**law["parameters"], end.name: {"positive": True}},
-                "domain": {**ranges, force: own},
-            }
-            yield f"{told}: what is proved then is so of K wherever {force} is not 0", changed
+            more = {"parameters": {**law["parameters"], end.name: {"positive": True}}, "domain": {**ranges, force: own}}
+            yield f"{told}: what is proved then is so of K wherever {force} is not 0", {**law, "g": moved, **more}
 
 
 def _settling(
