@@ -88,14 +88,14 @@ def that_help(
             found.append(asked.keep(*best))
     found = found or _with_least_lost(law, ((form.told, _changed(law, form.g, {})) for form in forms()), asked)
     part = frozenset[str]() if blocked is None else blocked.part.names().union(*(c.names() for c in blocked.signs))
-    if claim == "smoothness" and "g" in law and not found:  # nothing else of a moved K is true of K itself
-        found = [told for told, changed in _moved(law, part) if asked(changed)][:1]
     if found or refuted:
         return [*found, *refuted]
     known, asked.steps = [*choices(_choices(law))], _A_KIND
     # where g has no value at a tip, it is no parameter that is to blame; a closed form takes long to look for
     alone = () if any(form.at_tip for form in forms()) or not known or claim == "duality" else sorted(known[0])
-    return _narrowed(law, alone, known, {}, asked) or _settling(law, forms(), part, known, choices, asked)
+    moved = _moved(law, part) if claim == "smoothness" and "g" in law else ()  # nothing else of a moved K is true of K itself
+    beside = (told for told, changed in moved if asked(changed))
+    return _narrowed(law, alone, known, {}, asked) or [*islice(beside, 1)] or _settling(law, forms(), part, known, choices, asked)
 
 
 class _Asked:
