@@ -121,8 +121,9 @@ def changed(criterion: Criterion, action: str) -> Criterion:
     if action.startswith("add the constraint"):
         more["constraints"] = (*criterion.written_constraints, *re.findall(r'"([^"]*)"', action))
         more["written_constraints"] = ()
-    if found := re.match(r"ask for .* alone: (\w+) = \{ (min|max) = 0 \}", action):
-        more["domain"] = {found[1]: Domain.between(0) if found[2] == "min" else Domain.between(None, 0)}
+    if action.startswith("ask for"):
+        ranges = {name: dict(re.findall(r"(min|max) = ([^ ,}]+)", ends)) for name, ends in re.findall(r"(\w+) = \{ (.*?) \}", action)}
+        more["domain"] = {**criterion.domain, **{name: Domain.between(ends.get("min"), ends.get("max")) for name, ends in ranges.items()}}
     if found := re.match(r"write (.*) for (.*): K (?:stays|is) the same", action):
         new, old = (parse(written_out(criterion, text)) for text in found.groups())
         read = without_angles(parse(criterion.written))

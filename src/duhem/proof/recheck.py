@@ -213,13 +213,6 @@ def as_dict(done: Recheck) -> dict[str, Any]:
 
 
 @plain.register(RecheckedRegion)
-def region_as_dict(done: RecheckedRegion) -> dict[str, Any]:
-    """Every cell, the law as the certificate states it, and whether all that it calls decided is confirmed."""
-    cells = [{"cell": row.said, "verdict": row.verdict, "confirmed": not row.reason, "reason": row.reason} for row in done.cells]
-    told = {"claim": done.claim, "parameter": done.parameter}
-    return {"ok": done.ok, "failed": list(done.failed), "law": dict(done.law), **told, "cells": cells}
-
-
 def _fields(done: Recheck | RecheckedRegion) -> tuple[tuple[str, str], ...]:
     return (*_law(done.law), *([("claim", f"{done.claim}, by {done.parameter}")] if isinstance(done, RecheckedRegion) else []))
 

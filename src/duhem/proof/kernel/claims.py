@@ -378,9 +378,7 @@ def convex_energy(law: StatedLaw, evidence: Evidence) -> bool:
 
 def scales_with_the_pressure(law: StatedLaw, _: Evidence) -> bool:
     """g keeps its sign along each ray of forces and pressure together, and no range cuts one."""
-    if law.pressure is None or law.ranges:
-        return False
-    return is_cone(law.g, over(law).wider(law.pressure))
+    return False if law.pressure is None or law.ranges else is_cone(law.g, over(law).wider(law.pressure))
 
 
 def forces_resist(law: StatedLaw, _: Evidence) -> bool:

@@ -139,6 +139,4 @@ def in_order(term: Term, domain: StatedDomain, powers: bool = False) -> Term:
 
 def written_in_order(poly: Polynomial) -> Term:
     """A number as it is, else a sum of products in order: the same for equal polynomials."""
-    if number_in(poly) is not None:
-        return number(poly.get((), 0))
-    return written(dict(sorted(poly.items())))
+    return number(poly.get((), 0)) if number_in(poly) is not None else written(dict(sorted(poly.items())))

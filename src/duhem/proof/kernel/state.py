@@ -164,9 +164,7 @@ def _rates_dissipate(law: StatedLaw) -> str:
     power = sum_of(*(product_of(bound.get(x, x), rate) for x, rate in driven))
     if any(Reader(domain).undecided(rate) is not None for _, rate in law.rates):
         return "the rates without a multiplier are not shown to have a value"
-    if domain.never_negative(power):
-        return ""
-    return "the rates without a multiplier are not shown to dissipate"
+    return "" if domain.never_negative(power) else "the rates without a multiplier are not shown to dissipate"
 
 
 def _bound(law: StatedLaw) -> dict[Term, Term]:

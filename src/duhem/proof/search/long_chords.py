@@ -103,10 +103,10 @@ def _in_choice(subject: FormulaSubject, parameters: Values, seen: list[int], way
 
 
 def _planes(d: int) -> Iterator[Array]:
-    """Directions all around in plane sections, the first in the first two forces; of one force both."""
+    """Directions all around in plane sections, the first in the planes of a force and the next; of one force both."""
     turn, rng = 2 * np.pi * np.arange(_ANGLES) / _ANGLES, np.random.default_rng(4)
     for section in range(_sections(d)):
-        frame = np.eye(d)[:2] if section == 0 else np.linalg.qr(rng.standard_normal((d, 2)))[0].T
+        frame = np.eye(d)[[section, section - d + 1]] if section < d else np.linalg.qr(rng.standard_normal((d, 2)))[0].T
         yield np.outer(np.cos(turn), frame[0]) + np.outer(np.sin(turn), frame[1]) if d > 1 else np.array([[1.0], [-1.0]])
 
 

@@ -1,7 +1,9 @@
 """Other forms of g with the same K, of which the rules may read more.
 
-A root by itself on one side: x <= c u^e, with c > 0 and e > 0, says the same as (pos(x)/c)^(1/e) <= u, for u >= 0 where u^e has a value.
-Of the others it depends on the law whether K stays the same, which is looked at in floats: powers put together, which may have a value
+A root by itself on one side: x <= c u^e, with c > 0 and 0 < e < 1, says the same as (pos(x)/c)^(1/e) <= u, for u >= 0 where u^e has a
+value.  Divided by a factor > 0 of one of its terms a sum keeps its sign.
+Of the others it depends on the law whether K stays the same, which is looked at in floats: the root for a power e > 1 by itself; a
+division by what may have any sign; powers put together, which may have a value
 where their factors have none; a product with a choice by a sign as one term for each side; one formula of a choice without its condition.
 """
 
@@ -11,7 +13,9 @@ from collections.abc import Iterator
 from contextlib import suppress
 
 from duhem.proof.kernel.curvature import within_ranges
+from duhem.proof.kernel.deviatoric import deviatoric_readers
 from duhem.proof.kernel.domain import NEGATIVE, POSITIVE, StatedDomain, gap
+from duhem.proof.kernel.forms import degree_at_most
 from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.kernel.term import COMPARISONS, NotWritten, Term, factors, minus, number, product_of, sum_of
 from duhem.proof.unsettled.limits import short, split, times
@@ -26,7 +30,7 @@ def other_forms(read: StatedLaw) -> Iterator[tuple[Term, Term, bool]]:
     g, domain = read.g, within_ranges(read)
     for part in g.args if g.op == "max" else (g,):
         with suppress(NotWritten):
-            yield from ((part, new, known) for new, known in _root_alone(part, domain))
+            yield from ((part, new, known) for way in (_root_alone, _divided) for new, known in way(part, domain))
     for part in g.parts():
         with suppress(NotWritten):
             if part.op == "*":
@@ -44,13 +48,24 @@ def _root_alone(part: Term, domain: StatedDomain) -> Iterator[tuple[Term, bool]]
             continue
         u, e = moving[0].args
         x = sum_of(*(other for other in part.args if other is not term and other != _ZERO))
-        if domain.constant(x) or not domain.constant(e) or domain.facts(e).sign != POSITIVE or (e.op == "number" and e.value >= 1):
+        if domain.constant(x) or not domain.constant(e) or domain.facts(e).sign != POSITIVE or e == _ONE:
             continue
         negative, below_one = domain.facts(x).sign & NEGATIVE, domain.facts(sum_of(_ONE, minus(e))).sign
         size = Term("pos", (x,)) if negative else x
         power = number(1 / e.value) if e.op == "number" else Term("**", (e, number(-1)))
         known = below_one == POSITIVE or not (negative or below_one & NEGATIVE)
         yield sum_of(Term("**", (_times(short(Term("**", (c, number(-1)))), size), power)), minus(u)), known
+
+
+def _divided(part: Term, domain: StatedDomain) -> Iterator[tuple[Term, bool]]:
+    """A sum divided by a factor of one of its terms, and whether that is known to be > 0, so that K stays."""
+    moving = (f for a in (part.args if part.op == "+" else ()) for f in factors(a) if f.op not in ("name", "+") and not domain.constant(f))
+    for f in dict.fromkeys(moving):
+        base, power = f.args if f.op == "**" else (f, _ONE)
+        whole = all(x.op != "where" for x in f.parts())  # then such a factor has no value where J2 = 0
+        beside = {reader.sign(f) for reader in deviatoric_readers(f, domain) if whole and reader.degree(f) == 0}
+        if (known := POSITIVE in (domain.facts(f).sign, *beside)) or (f.op == "**" and degree_at_most(base, domain) is None):
+            yield times(part, base, minus(power), domain), known
 
 
 def _without_brackets(part: Term, domain: StatedDomain) -> Iterator[Term]:

@@ -1,7 +1,6 @@
 """What is said of a claim that stays open: the inequality, the part of the formula that no rule reads, the closest place, and what helps.
 
-A suggestion was tried on the law, and the claim was then proved, or refuted as it says.  One is not tried, and says so: more steps, where
-they ran out.
+A suggestion was tried on the law, and the claim was then proved, or refuted as it says.
 """
 
 from __future__ import annotations
@@ -14,6 +13,8 @@ from functools import partial
 from itertools import chain, islice
 from typing import Any, NamedTuple
 
+import numpy as np
+
 from duhem.errors import InputError
 from duhem.expression.text import formula
 from duhem.law.curve_law import Law
@@ -21,7 +22,7 @@ from duhem.law.domain import Domain
 from duhem.law.formula_law import Criterion
 from duhem.proof.certificate import law_as_text
 from duhem.proof.claims import EVERY
-from duhem.proof.decide import EFFORTS, Budget
+from duhem.proof.decide import Budget
 from duhem.proof.facts.formula_subject import FormulaSubject, RateSubject
 from duhem.proof.facts.graph_subject import GraphSubject
 from duhem.proof.facts.subject import Subject
@@ -34,7 +35,7 @@ from duhem.proof.unsettled.blocked import Blocked, blocked, required
 from duhem.proof.unsettled.forms import other_forms
 from duhem.proof.unsettled.limits import keeps_k, named_around, same_points, with_values
 from duhem.proof.unsettled.term_text import Names, in_text, names_of
-from duhem.proof.unsettled.trials import Attempts, Rewriting, settings, that_help
+from duhem.proof.unsettled.trials import Attempts, Rewriting, that_help
 from duhem.proof.verdict import CONTRADICTION, Evidence, Unsettled, Verdict
 
 __all__ = ["STATEMENT", "THEORY", "OpenClaims"]
@@ -127,7 +128,6 @@ class OpenClaims:
 
     def _explained(self, inequality: str, asked: _OpenClaim) -> Unsettled:
         claim, law, subject, settled = asked.claim, asked.law, asked.subject, asked.settled
-        exhausted = subject.budget.left * 8 < subject.budget.left + subject.budget.spent
         subject.allow(_STEPS)
         place, measure, margin = _closest(asked)
         bad = {x: place[x] for x in _free(law) if x in place} if margin is not None and margin < 0 else {}
@@ -142,11 +142,7 @@ class OpenClaims:
         with suppress(*UNREADABLE):
             first = [{name: Fraction(value) for name, value in bad.items()}] if bad and own else []
             choices, forms = partial(_with_k, asked), partial(self._same, asked, names)
-            actions = that_help(claim, asked.text, proved, found, choices, forms, own, first, self._tried)
-        if bad and not any(Verdict.REFUTED in action for action in actions) and claim not in _OF_G:
-            actions = [*actions, f"{settings(bad)} (in floating point the claim seems to be violated there)"]
-        if exhausted and not actions and subject.effort < EFFORTS["thorough"]:
-            actions = ["--effort thorough, which was not tried: the steps for this claim ran out before every method had tried"]
+            actions = that_help(claim, asked.text, proved, found, choices, forms, own, first, self._tried, partial(_ranges, asked))
         part, why = (None, None) if found is None else _quoted(found, asked, names)
         return Unsettled(inequality, part, why, place, measure, margin, tuple(actions))
 
@@ -226,6 +222,18 @@ def _has_k(asked: _OpenClaim, values: Mapping[str, Any]) -> bool:
     with suppress(InputError):
         return any(len(found.boundary) for found in scouts(FormulaSubject(law.fix(values)), 1))
     return False
+
+
+def _ranges(asked: _OpenClaim, values: Mapping[str, Any]) -> dict[str, Any]:
+    """Ranges of both forces of a law of two, twice as wide as most of the boundary that is found in floats at some values."""
+    law, found = asked.law, dict[str, Any]()
+    if isinstance(law, Criterion) and "g" in asked.text and (law.pressure, len(law.forces)) == (None, 2) and asked.claim != "duality":
+        with suppress(InputError):
+            near = [x for one in scouts(FormulaSubject(law.fix(values)), _CHOICES) for x in one.boundary]
+            for name, (low, high) in zip(law.forces, np.quantile(near, (0.05, 0.95), axis=0).T if near else (), strict=False):
+                ends = {end: f"{float(f'{x:.2g}'):g}" for end, x in (("min", 1.5 * low - 0.5 * high), ("max", 1.5 * high - 0.5 * low))}
+                found[name] = ends | asked.text.get("domain", {}).get(name, {})
+    return found
 
 
 def _everything(asked: _OpenClaim, decide: DecideLaw | None) -> Callable[[str, Mapping[str, Any], Budget], Verdict | None] | None:

@@ -32,12 +32,12 @@ Choice = Mapping[str, Fraction]
 Choices = Callable[[Iterable[Choice]], Iterable[Choice]]  # those of some at which K is not empty, and more
 Decide = Callable[[str, Text, Budget], Verdict | None]  # the verdict on a claim of a changed law; None where it is open
 _IN_ALL, _SHARE = 5_000_000, 2  # steps for all claims of a law; one claim may use 1/_SHARE of what is left
-_A_TRIAL, _A_KIND, _A_DECISION, _READING = 200_000, 400_000, 250_000, 5_000  # steps; for reading a law
+_A_TRIAL, _A_KIND, _A_DECISION, _IN_A_BOX, _READING = 200_000, 400_000, 250_000, 1_000_000, 5_000  # steps; for reading a law
 _BEFORE = ("origin", "convexity", "smoothness", "normality", "dissipation", "state_laws", "homogeneity")
 _TOLD = _BEFORE[:5]  # those of which it is said that they are proved too
 _PLAIN = tuple(map(Fraction, ("1", "2", "1/2", "1/10", "3", "-1")))
 _TURNS, _MOST_CHOICES, _MOST_FIXED = 7, 6, 4  # of plain values; of those at which everything that decides is asked
-_MOST_DECIDED, _MOST_DUALS = 12, 3  # times that everything is asked about one claim
+_MOST_DECIDED, _MOST_DUALS, _MOST_BOXED = 12, 3, 2  # times that everything is asked about one claim; choices tried in a box
 _LONGEST = 120  # letters of a constraint
 _MOST_FORCES = 3  # of a law that may be meant for one sign of a force
 _MOST_FORMS, _MOST_SINGLE, _MOST_SIGNS = 2, 2, 8  # beside g itself; of parameters that are 0; of constants whose sign is asked
@@ -68,12 +68,13 @@ class Attempts:
 def that_help(
     claim: str, law: Text, settled: frozenset[str], blocked: Blocked | None, choices: Choices,
     forms: Callable[[], Sequence[Rewriting]] = tuple, decide: Decide | None = None, first: Sequence[Choice] = (),
-    tried: Attempts | None = None,
+    tried: Attempts | None = None, ranges: Callable[[Choice], Text] = lambda _: {},
 ) -> list[str]:  # fmt: skip
     """What to do, so that the claim is settled: one action a kind, each seen to help.
 
     ``choices`` gives values of the free parameters at which it is tried, and of plain ones those at which K is not empty, for of an
     empty K much is proved.  ``forms`` are other forms of g with the same K.  At the values that are tried ``first`` the claim may fail.
+    ``ranges`` gives ranges of two forces that hold K at some values, or nothing.
     """
     asked = _Asked(claim, law, settled, decide, tried or Attempts())
     refuted = [_said("", choice, Verdict.REFUTED) for choice in first if asked.decided(_with(law, choice)) is Verdict.REFUTED]
@@ -82,9 +83,13 @@ def that_help(
     if again := again or [told for told, changed in helped if claim != "duality" and asked.decided(changed) is Verdict.PROVED]:
         return [*again, *refuted]
     found = list[str]()
-    for kind in (_signs(law, blocked, choices), _ranges(law, blocked)) if blocked is not None else ():
+
+    def by_evidence(changed: Text) -> bool:  # the power may be a share of g and a rest
+        return claim == "dissipation" and not found and asked.decided(changed) is Verdict.PROVED
+
+    for kind, way in ((_signs, asked), (_ranges, asked), (_ranges, by_evidence)) if blocked is not None else ():
         asked.steps = _A_KIND
-        if (best := next(((told, changed) for told, changed in kind if asked(changed)), None)) is not None:
+        if (best := next(((told, changed) for told, changed in kind(law, blocked, choices) if way(changed)), None)) is not None:
             found.append(asked.keep(*best))
     found = found or _with_least_lost(law, ((form.told, _changed(law, form.g, {})) for form in forms()), asked)
     part = frozenset[str]() if blocked is None else blocked.part.names().union(*(c.names() for c in blocked.signs))
@@ -95,7 +100,8 @@ def that_help(
     alone = () if any(form.at_tip for form in forms()) or not known or claim == "duality" else sorted(known[0])
     moved = _moved(law, part) if claim == "smoothness" and "g" in law else ()  # nothing else of a moved K is true of K itself
     beside = (told for told, changed in moved if asked(changed))
-    return _narrowed(law, alone, known, {}, asked) or [*islice(beside, 1)] or _settling(law, forms(), part, known, choices, asked)
+    found = _narrowed(law, alone, known, {}, asked) or [*islice(beside, 1)] or _boxed(law, known, ranges, asked)
+    return found or _settling(law, forms(), part, known, choices, asked)
 
 
 class _Asked:
@@ -108,7 +114,7 @@ class _Asked:
 
     def decided(self, law: Text) -> Verdict | None:
         """Proved or refuted; None where it is open, or no steps are left."""
-        if self.decide is None:
+        if self.decide is None or (self.claim == "dissipation" and self(law)):  # which rests on other claims
             return Verdict.PROVED if self(law) else None
         key = self.claim, _key(law)
         if key not in self.tried.verdicts:
@@ -120,8 +126,11 @@ class _Asked:
             self.tried.steps -= budget.spent + _READING
         return self.tried.verdicts[key]
 
-    def __call__(self, law: Text, claim: str = "") -> bool:
-        """Whether it proves the claim, or another, without evidence, with what that may rest on; of g itself holds what is settled."""
+    def __call__(self, law: Text, claim: str = "", rules: Sequence[str] = ()) -> bool:
+        """Whether it proves the claim, or another, without evidence, with what that may rest on; of g itself holds what is settled.
+
+        Some ``rules`` are asked before all others, and may cost more.
+        """
         key, claim = _key(law), claim or self.claim
         if claim == "duality":  # which needs evidence
             return self.decide is not None and self.decided(law) is Verdict.PROVED
@@ -130,12 +139,12 @@ class _Asked:
         known |= self.settled if law.get("g") == self.g else self.settled & {"origin"}  # other forms of g have the same K
         if claim in known or claim in answers or self.steps < 0 or self.tried.steps <= self.kept:
             return claim in known
-        with within(_A_TRIAL) as purse, suppress(*UNREADABLE, TooDearError):
+        with within(_IN_A_BOX if rules else _A_TRIAL) as purse, suppress(*UNREADABLE, TooDearError):
             read, needed = stated(law), {claim}
             for name in reversed(_BEFORE):
                 needed |= needs_of(name, read) if name in needed else set()
             for name in (name for name in _BEFORE if name in needed - known and name not in answers):
-                answers[name] = any(not objection(name, rule, frozenset(known), read, {}) for rule in rules_of(name, read))
+                answers[name] = any(not objection(name, rule, frozenset(known), read, {}) for rule in (*rules, *rules_of(name, read)))
                 known |= {name} if answers[name] else set()
         answers.setdefault(claim, False)
         self.steps -= purse.spent + _READING
@@ -187,7 +196,7 @@ def _compared(constant: Term, strict: bool) -> str:
     return f"{' + '.join(less) or 0} {'<' if strict else '<='} {' + '.join(more) or 0}"
 
 
-def _ranges(law: Text, blocked: Blocked) -> Iterator[tuple[str, Text]]:
+def _ranges(law: Text, blocked: Blocked, _: Choices) -> Iterator[tuple[str, Text]]:
     """Yield ranges of one sign for forces of the part, unless it is a sum, or 0 at a tip."""
     ranges, part = law.get("domain", {}), blocked.part
     if len(law["forces"]) > _MOST_FORCES or part.op in ("+", "norm") or not isinstance(read := stated(law), StatedLaw):
@@ -217,14 +226,26 @@ def _settling(
     law: Text, forms: Sequence[Rewriting], part: frozenset[str], known: Sequence[Choice], choices: Choices, asked: _Asked
 ) -> list[str]:
     """A form of g, or g with the fewest parameters fixed or narrowed at plain values, of which the claim is proved or refuted."""
-    bases, zero, asked.steps = (("", None), *(form[:2] for form in forms[:_MOST_FORMS])), Fraction(0), 2 * _A_KIND
+    bases, zero = (("", None), *(form[:2] for form in forms[:_MOST_FORMS])), Fraction(0)
     single = ({**choice, x: zero} for choice in known[:1] for x in choice if choice[x] and Bounds.read(law["parameters"][x]).holds(zero))
     for values in ({}, *known[:_MOST_FIXED], *islice(choices(single), _MOST_SINGLE)):  # an effect that is switched off says least
         for told, g in bases if values else bases[1:]:
+            asked.steps = _A_KIND
             if (verdict := asked.decided(_changed(law, g, values))) is Verdict.REFUTED:
                 return [_said(told, values, verdict)]
             if verdict is Verdict.PROVED:
                 return [_with_fewest(law, told, g, values, part, asked)]
+    return []
+
+
+def _boxed(law: Text, known: Sequence[Choice], ranges: Callable[[Choice], Text], asked: _Asked) -> list[str]:
+    """Ranges of both forces in which K is shown to be convex by enclosures, at all values of the parameters or at plain ones."""
+    for values in ({}, *known[:_MOST_BOXED]):
+        box, asked.steps = ranges(values), _A_KIND
+        if box and asked(boxed := {**_with(law, values), "domain": box}, rules=("curvature-in-a-box",)):
+            told = " and ".join(f"{x} = {{ min = {own['min']}, max = {own['max']} }}" for x, own in box.items())
+            more = f" and {settings(values)}" if values else ""
+            return [asked.keep(f"ask for forces near K alone: {told} in the section [domain]{more}", boxed)]
     return []
 
 
@@ -256,7 +277,7 @@ def settings(values: Mapping[str, Any]) -> str:
 
 def _narrowed(law: Text, names: Sequence[str], known: Sequence[Choice], others: Choice, asked: _Asked) -> list[str]:
     """A part of the domain of one parameter, with one of the values known, in which the claim is proved, others fixed beside."""
-    parts = [(name, *part) for name in names for part in _narrower(law["parameters"][name])]
+    parts = [(name, *part) for name in names for part in _narrower(law["parameters"][name], [x[name] for x in known if len(known) == 1])]
     for name, domain, told in sorted(parts, key=lambda part: (" = " in part[2], law["parameters"][part[0]].get("max") is None)):
         holds, changed = Bounds.read(domain).holds, {**law, "parameters": {**law["parameters"], name: domain}}
         if any(holds(choice[name]) for choice in known) and asked(_with(changed, others)):
@@ -270,8 +291,8 @@ def _narrowed(law: Text, names: Sequence[str], known: Sequence[Choice], others: 
 def _choices(law: Text) -> Iterator[dict[str, Fraction]]:
     """A few plain values of the parameters, all together, within the constraints."""
     free = {name: list(_plain(domain)) for name, domain in law["parameters"].items() if not Bounds.read(domain).single}
-    turns = product(range(_TURNS), (1, 0))  # of each at another place, and of all alike
-    tried = ({name: own[(k + step * (i % 3)) % len(own)] for i, (name, own) in enumerate(free.items())} for k, step in turns)
+    own, turns = law["parameters"], product(range(_TURNS), (1, 0))  # of each without a middle at another place, and of all alike
+    tried = ({x: v[(k + step * (i % 3) * ("max" not in own[x])) % len(v)] for i, (x, v) in enumerate(free.items())} for k, step in turns)
     seen = list[dict[str, Fraction]]()
     for choice in tried if all(free.values()) and free else ():
         if choice not in seen and len(seen) < _MOST_CHOICES and _inhabits(choice, law):
@@ -301,25 +322,23 @@ def _with(law: Text, fixed: Choice) -> Text:
     return {**law, "parameters": {**law["parameters"], **{name: {"value": str(value)} for name, value in fixed.items()}}}
 
 
-def _narrower(domain: Text) -> Iterator[tuple[dict[str, Any], str]]:
-    """Parts of a domain: above 0, from 1 or up to 1, or either half, below 0; as it is declared and in words."""
+def _narrower(domain: Text, values: Sequence[Fraction]) -> Iterator[tuple[dict[str, Any], str]]:
+    """Parts of a domain: above 0, from 1 or up to 1, or either half, from values or up to them, below 0; as declared and in words."""
     if (own := Bounds.read(domain)).single:
         return
     if own.sign() & (ZERO | NEGATIVE) and own.sign() & POSITIVE:
         yield {"positive": True, **({} if own.high is None else {"max": str(own.high)})}, "what is > 0 (positive = true)"
     beyond = Fraction(1) if own.low is None or own.low < 1 else own.low + 1
-    end = beyond if own.low is None or own.high is None else (own.low + own.high) / 2
-    if own.holds(end) and end not in (own.low, own.high):
+    middle = beyond if own.low is None or own.high is None else (own.low + own.high) / 2
+    for end in (end for end in dict.fromkeys((middle, *values, Fraction(0))) if own.holds(end) and end not in (own.low, own.high)):
         yield {"min": str(end), **({} if own.high is None else {"max": str(own.high)})}, f"min = {end}"
         below = {"positive": True} if own.open and own.low == 0 else {} if own.low is None else {"min": str(own.low)}
         yield {**below, "max": str(end)}, f"max = {end}"
-    if own.sign() & NEGATIVE and own.sign() & POSITIVE:
-        yield {"max": "0", **({} if own.low is None else {"min": str(own.low)})}, "max = 0"
 
 
 def _plain(domain: Text) -> Iterator[Fraction]:
-    """A few plain values that lie in it, halves of its ends, its ends, and last 0, where an effect is gone."""
+    """A few plain values that lie in it: its middle, plain ones, halves of its ends, its ends, and last 0, where an effect is gone."""
     own = Bounds.read(domain)
     ends = [end for end in (own.high, own.low) if end is not None]
-    inside = dict.fromkeys(x for x in (*_PLAIN, *(end / 2 for end in ends), *ends) if x and own.holds(x))
-    yield from (*inside, *([Fraction(0)] if own.holds(Fraction(0)) else []))
+    inside = (Fraction(f"{float(sum(ends)) / 2:.2g}"), *_PLAIN, *(end / 2 for end in ends))
+    yield from (x for x in dict.fromkeys((*(x for x in inside if x not in (0, *ends)), *filter(None, ends), Fraction(0))) if own.holds(x))
