@@ -232,7 +232,8 @@ def _ranges(asked: _OpenClaim, values: Mapping[str, Any]) -> dict[str, Any]:
             near = [x for one in scouts(FormulaSubject(law.fix(values)), _CHOICES) for x in one.boundary]
             for name, (low, high) in zip(law.forces, np.quantile(near, (0.05, 0.95), axis=0).T if near else (), strict=False):
                 ends = {end: f"{float(f'{x:.2g}'):g}" for end, x in (("min", 1.5 * low - 0.5 * high), ("max", 1.5 * high - 0.5 * low))}
-                found[name] = ends | asked.text.get("domain", {}).get(name, {})
+                own = asked.text.get("domain", {}).get(name, {})
+                found[name] = ends | {end: x for end, x in own.items() if x is not None}
     return found
 
 
