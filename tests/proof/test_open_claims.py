@@ -11,6 +11,7 @@ from dataclasses import replace
 from fractions import Fraction
 from random import Random
 
+import numpy as np
 import pytest
 import sympy as sp
 
@@ -156,6 +157,34 @@ def test_an_open_claim_names_the_part_that_no_rule_reads_and_what_helps(
         assert verify(changed(criterion, told), claims=[claim], effort="quick")[claim].verdict is Verdict.PROVED
     else:
         assert not found.actions  # nothing that was tried helped, and nothing is suggested
+
+
+IN_A_BOX = [  # K is not convex in the first two, and comes to a tip in the last
+    law("softplus(a - b) + softplus(-a - b/2) - w*softplus(b) + (b**2 - 1)**2/9 - 2", {"w": Domain.between(0, "3/10")}),
+    law("sin(2*a)*exp(b/3) + a**2 + b**2*(1 + w*cos(a)) - 1", {"w": Domain.between(0, 1)}),
+    law("(q/(m*p))**n + log(p/c)", {"m": Domain.between("4/5", "3/2"), "n": Domain.between(1, 4), "c": POSITIVE}, "pq",
+        domain={"p": AT_LEAST_0, "q": AT_LEAST_0}),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("criterion", IN_A_BOX)
+def test_smoothness_is_shown_in_ranges_and_away_from_a_tip(criterion: Criterion) -> None:
+    """What is told is followed, and |g| + |grad g| looked at in floats over the ranges that are told."""
+    (told,) = opened(criterion, "smoothness").actions
+    box = {x: Domain.between(low, high) for x, low, high in re.findall(r"(\w+) = \{ min = (\S+), max = (\S+) \}", told)}
+    g = criterion.written
+    if moved := re.search(r"write (\w+) ([+-]) (\w+) for \w+, with the parameter \w+ = \{ value = (\S+) \}", told):
+        name, sign, end, value = moved.groups()
+        g = re.sub(rf"\b{name}\b", f"({name} {sign} {value})", g)
+        assert f"farther from 0 than {value}" in told and end == f"{name}_end"
+    followed = replace(criterion, g=g, written="", domain=box).fix(dict(re.findall(r"--set (\w+)=([^\s:]+)", told)))
+    assert verify(followed, claims=["smoothness"])["smoothness"].verdict is Verdict.PROVED
+    x, y = followed.force_symbols()
+    here = followed.g.subs({followed.symbols()[name]: own.high for name, own in followed.parameters.items()})
+    grid = np.meshgrid(*(np.linspace(*box[name].ends, 601) + 1e-9 for name in followed.forces))
+    with np.errstate(all="ignore"):
+        found = (np.abs(np.broadcast_to(sp.lambdify((x, y), f, "numpy")(*grid), grid[0].shape)) for f in (here, here.diff(x), here.diff(y)))
+        assert np.nanmin(sum(found)) > 1e-3
 
 
 def test_what_is_settled_is_not_open() -> None:
