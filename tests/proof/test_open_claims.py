@@ -81,8 +81,6 @@ TOLD = [
         "write ((a + b + c)**3 - 27*a*b*c)*(a + b + c)**m - h*a*b*c for g, which is a*b*c times g"),
     (law("1 - exp(-(a**2 + b**2)**2) - k + 0*a", {"k": Domain.between(0, "9/10")}), "convexity", "exp(", "no rule shows",
         "your own values"),
-    (law("where(3*max(a, b) + min(a, b) > 0, max(a, b) - t, (a - b)**2/(8*t) + a + b)", {"t": POSITIVE}), "convexity",
-        "where(3*max", "a choice by the forces", "your own values"),
     (law("q + m*p*log(p/c)", {"m": POSITIVE, "c": POSITIVE}, "pq", domain={"p": AT_LEAST_0, "q": AT_LEAST_0}), "smoothness", "log(p/c)",
         "not shown to have a value", "write p + p_end for p, with the parameter p_end = { positive = true }"),
     (law("t - m*n*log(-n/c)", {"m": POSITIVE, "c": POSITIVE}, "tn",
@@ -94,6 +92,8 @@ TOLD = [
         "origin", "1/J2(s)**(3/2) in lode(s)", "at zero force", "write where(J2(s) > 0, lode(s), 0) for lode(s), if you mean 0 there"),
     (law("-(1 + q/p)**sqrt(2)/(2 + q/p)**(3*sqrt(2)) + p/c", {"c": POSITIVE}, "pq", domain={"p": AT_LEAST_0, "q": AT_LEAST_0}), "origin",
         "1/p", "at zero force", "if you mean 0 there"),
+    (law("where(3*max(a, b) + min(a, b) > 0, max(a, b) - t, (a - b)**2/(8*t) + a + b)", {"t": POSITIVE}), "convexity",
+        "where(3*max", "a choice by the forces", "your own values"),
 ]  # fmt: skip
 
 
