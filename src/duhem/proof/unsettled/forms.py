@@ -59,12 +59,15 @@ def _root_alone(part: Term, domain: StatedDomain) -> Iterator[tuple[Term, bool]]
 
 def _divided(part: Term, domain: StatedDomain) -> Iterator[tuple[Term, bool]]:
     """A sum divided by a factor of one of its terms, and whether that is known to be > 0, so that K stays."""
-    moving = (f for a in (part.args if part.op == "+" else ()) for f in factors(a) if f.op not in ("name", "+") and not domain.constant(f))
-    for f in dict.fromkeys(moving):
+    for f in dict.fromkeys(
+        f for a in (part.args if part.op == "+" else ()) for f in factors(a) if f.op != "name" and not domain.constant(f)
+    ):
         base, power = f.args if f.op == "**" else (f, _ONE)
-        whole = all(x.op != "where" for x in f.parts())  # then such a factor has no value where J2 = 0
-        beside = {reader.sign(f) for reader in deviatoric_readers(f, domain) if whole and reader.degree(f) == 0}
-        if (known := POSITIVE in (domain.facts(f).sign, *beside)) or (f.op == "**" and degree_at_most(base, domain) is None):
+        # where J2 = 0 such a factor has no value, unless a choice gives it one
+        beside = {r.sign(f) for r in deviatoric_readers(f, domain) if r.degree(f) == 0 and all(x.op != "where" for x in f.parts())}
+        if (known := POSITIVE in (domain.facts(f).defined and domain.facts(f).sign, *beside)) or (
+            f.op == "**" and degree_at_most(base, domain) is None
+        ):
             yield times(part, base, minus(power), domain), known
 
 

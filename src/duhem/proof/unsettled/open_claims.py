@@ -227,7 +227,7 @@ def _has_k(asked: _OpenClaim, values: Mapping[str, Any]) -> bool:
 def _ranges(asked: _OpenClaim, values: Mapping[str, Any]) -> dict[str, Any]:
     """Ranges of both forces of a law of two, twice as wide as most of the boundary that is found in floats at some values."""
     law, found = asked.law, dict[str, Any]()
-    if isinstance(law, Criterion) and "g" in asked.text and (law.pressure, len(law.forces)) == (None, 2) and asked.claim != "duality":
+    if isinstance(law, Criterion) and "g" in asked.text and (law.pressure, len(law.forces)) == (None, 2):
         with suppress(InputError):
             near = [x for one in scouts(FormulaSubject(law.fix(values)), _CHOICES) for x in one.boundary]
             for name, (low, high) in zip(law.forces, np.quantile(near, (0.05, 0.95), axis=0).T if near else (), strict=False):

@@ -38,10 +38,10 @@ _BEFORE = ("origin", "convexity", "smoothness", "normality", "dissipation", "sta
 _TOLD = _BEFORE[:5]  # those of which it is said that they are proved too
 _PLAIN = tuple(map(Fraction, ("1", "2", "1/2", "1/10", "3", "-1")))
 _TURNS, _MOST_CHOICES, _MOST_FIXED = 7, 6, 4  # of plain values; of those at which everything that decides is asked
-_MOST_DECIDED, _MOST_DUALS, _MOST_BOXED = 12, 3, 2  # times that everything is asked about one claim; choices tried in a box
+_MOST_DECIDED, _MOST_DUALS, _MOST_BOXED = 13, 3, 2  # times that everything is asked about one claim; choices tried in a box
 _LONGEST = 120  # letters of a constraint
 _MOST_FORCES = 3  # of a law that may be meant for one sign of a force
-_MOST_FORMS, _MOST_SINGLE, _MOST_SIGNS = 2, 2, 8  # beside g itself; of parameters that are 0; of constants whose sign is asked
+_MOST_FORMS, _MOST_SINGLE, _MOST_SIGNS = 1, 2, 8  # beside g itself; of parameters that are 0; of constants whose sign is asked
 
 
 class Rewriting(NamedTuple):
@@ -252,7 +252,7 @@ def _boxed(law: Text, part: frozenset[str], known: Sequence[Choice], ranges: Cal
     smooth, perhaps away from a tip, at as few of these as may be.
     """
     smooth, rules = asked.claim == "smoothness", ("curvature-in-a-box",)
-    for values in ({}, *known[:_MOST_BOXED]):
+    for values in ({}, *known[:_MOST_BOXED]) if asked.claim in ("convexity", "smoothness", "normality", "dissipation") else ():
         box, asked.steps = ranges(values), _A_KIND
         for told, base in (("", law), *(_moved(law, part, box) if smooth else ())) if box else ():
             if not asked(boxed := {**_with(base, values), "domain": box}, rules=rules):
@@ -311,7 +311,7 @@ def _choices(law: Text) -> Iterator[dict[str, Fraction]]:
     """A few plain values of the parameters, all together, within the constraints."""
     free = {name: list(_plain(domain)) for name, domain in law["parameters"].items() if not Bounds.read(domain).single}
     own, turns = law["parameters"], product(range(_TURNS), (1, 0))  # of each without a middle at another place, and of all alike
-    tried = ({x: v[(k + step * (i % 3) * ("max" not in own[x])) % len(v)] for i, (x, v) in enumerate(free.items())} for k, step in turns)
+    tried = ({x: v[(k + step * (i % 3) * (not own[x].get("max"))) % len(v)] for i, (x, v) in enumerate(free.items())} for k, step in turns)
     seen = list[dict[str, Fraction]]()
     for choice in tried if all(free.values()) and free else ():
         if choice not in seen and len(seen) < _MOST_CHOICES and _inhabits(choice, law):
