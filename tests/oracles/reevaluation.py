@@ -459,7 +459,10 @@ def _corner(law: Criterion, points: Points, witness: Witness) -> bool:
 
 
 def _sharp(law: Criterion, points: Points, witness: Witness) -> bool:
-    """g > 0 on the ways to `outside` and to `opposite` and beside them, g < 0 on that to `inside`: at a few places of each."""
+    """g > 0 on the ways to `outside` and to `opposite` and beside them, g < 0 on that to `inside`: at a few places of each.
+
+    The sum of the first two ways is the last, taken so many times, which may be 0 times.
+    """
     at, beside = points["corner"], Fraction(witness.measures["beside"])
 
     def on(end: Mapping[str, Fraction], share: Fraction, shift: Sequence[Fraction]) -> Mapping[str, Fraction]:
@@ -469,8 +472,11 @@ def _sharp(law: Criterion, points: Points, witness: Witness) -> bool:
     shifts = [none, *([c * beside * (i == k) for i in range(len(none))] for k in range(len(none)) for c in (1, -1))]
     shares = [Fraction(1, 2**k) for k in (0, 3, 9, 30)]
     free = all(value(law, on(points[r], s, shift)).a > 0 for r in ("outside", "opposite") for s in shares for shift in shifts)
-    opposite = all(points["outside"][f] + points["opposite"][f] == 2 * at[f] for f in law.forces)
-    return free and opposite and all(value(law, on(points["inside"], s, none)).b < 0 for s in shares)
+    both = [points["outside"][f] + points["opposite"][f] - 2 * at[f] for f in law.forces]
+    into = [points["inside"][f] - at[f] for f in law.forces]
+    times = next(b / v for b, v in zip(both, into, strict=True) if v)
+    between = times >= 0 and both == [times * v for v in into]
+    return free and between and all(value(law, on(points["inside"], s, none)).b < 0 for s in shares)
 
 
 _CHECKS = {"convexity": _chord, "origin": _origin, "dissipation": _power_at, "normality": _towards, "smoothness": _corner}

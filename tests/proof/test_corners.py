@@ -81,6 +81,11 @@ SHARP = [
     law("max(a, a**3 + b**2)", TWO),
     law("exp(norm(a, b)) - 1 + 2*a", TWO),  # no polynomial along a ray
     law("max(((a - b)/2)**2 - ((a + b)/2)**2*(1 + (a + b)/2), a + b)", TWO),
+    # cones of odd degree: of two opposite directions one lies in K always
+    law("(a + b + c)*(a*b + b*c + c*a) - k*a*b*c", k=Domain.between(10, 20)),  # Matsuoka and Nakai (1974)
+    law("k*a*b*c - (a + b + c)**3", k=Domain.between(28, 60)),  # Lade and Duncan (1975)
+    law("b*(b - a)*(b + 3*a)", TWO),
+    law("b*(b - a)*(b + 3*a) + a**4 - b**5", TWO),
 ]
 
 
@@ -96,6 +101,8 @@ def test_a_sharp_point_is_shown(one):
 NOT_SHARP = [
     law("a**2 + b**2 - 2*a", TWO),  # 0 on a smooth boundary
     law("a**4 + b**4 - a", TWO),  # a flat one
+    law("a**3 + a*b**2", TWO),
+    law("a**5 + a**3*b**2 + b**6", TWO),
     law("a**3 + b**3", TWO),  # the gradient is 0 and K a half-plane
     law("b**3 - a**5", TWO),  # the gradient is 0, and the boundary C^1
     law("b**3 - a**4 + b**2*a**2", TWO),

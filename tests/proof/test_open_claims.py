@@ -11,6 +11,7 @@ from dataclasses import replace
 from fractions import Fraction
 from random import Random
 
+import numpy as np
 import pytest
 import sympy as sp
 
@@ -55,8 +56,8 @@ TOLD = [
     (law("q**2 + m**2*p**2*log(p/c)", {"m": POSITIVE, "c": POSITIVE}, "qp"), "origin",
         "log(p/c)", "at zero force", "write where(norm(q, p) > 0, m**2*p**2*log(p/c), 0) for m**2*p**2*log(p/c), if you mean 0 there"),
     (law("abs(t) - h*(s + n)**k", {"h": POSITIVE, "s": POSITIVE, "k": Domain.between("1/2", 1)}, "tn"), "convexity",
-        "(s + n)**k", "not shown to have a value", "write (abs(t)/h)**(1/k) - (s + n) for abs(t) - h*(s + n)**k: K stays the same"),
-    (law(QUADRATIC, {"x": POSITIVE, "y": POSITIVE, "k": ANY}), "smoothness", "a**2/x**2", "matrix is not shown to be positive semidefinite",
+        "(s + n)**k", "not shown to have a value", "ask for n >= 0 alone: n = { min = 0 } in the section [domain]"),
+    (law(QUADRATIC, {"x": POSITIVE, "y": POSITIVE, "k": ANY}), "smoothness", QUADRATIC, "no rule shows that its gradient is not 0",
         'add the constraint "'),
     (law("norm(a, b) - c*(1 - d)", {"c": POSITIVE, "d": ANY}), "dissipation",
         "norm(a, b)", "rise along the rays", 'add the constraint "d <= 1" (origin is proved then, too)'),
@@ -65,7 +66,7 @@ TOLD = [
     (law("norm(a, b) - c*(1 - d)", {"c": POSITIVE, "d": ANY}), "smoothness",
         "norm(a, b)", "may be 0 on the boundary", 'add the constraint "d < 1"'),
     (law("sqrt(a**2 + c**2) - (d + m*b)", {"c": ANY, "d": ANY, "m": ANY}), "smoothness",
-        "a**2 + c**2", "may be 0", "narrow c to what is > 0"),
+        "a**2 + c**2", "may be 0", "ask for forces near K alone: a = { min = "),
     (law("-k*(1 + c*cos3theta(s)) + sqrt(3*J2(s))", {"k": POSITIVE, "c": Domain.between(0, "1/9")}, (), stress=Stress("s", "principal")),
         "origin", "1/J2(s)**(3/2)", "at zero force", "write where(J2(s) > 0, cos3theta(s), 0) for cos3theta(s), if you mean 0 there"),
     (law("norm(a, b) - c*(1 + d*cos(4*atan2(b, a)))", {"c": POSITIVE, "d": Domain.between(0, 1)}), "origin",
@@ -81,6 +82,17 @@ TOLD = [
         "write ((a + b + c)**3 - 27*a*b*c)*(a + b + c)**m - h*a*b*c for g, which is a*b*c times g"),
     (law("1 - exp(-(a**2 + b**2)**2) - k + 0*a", {"k": Domain.between(0, "9/10")}), "convexity", "exp(", "no rule shows",
         "ask for forces near K alone: a = { min = "),
+    (law("q + m*p*log(p/c)", {"m": POSITIVE, "c": POSITIVE}, "pq", domain={"p": AT_LEAST_0, "q": AT_LEAST_0}), "smoothness", "log(p/c)",
+        "not shown to have a value", "write p + p_end for p, with the parameter p_end = { positive = true }"),
+    (law("t - m*n*log(-n/c)", {"m": POSITIVE, "c": POSITIVE}, "tn",
+         domain={"n": Domain.between(-5, 0), "t": AT_LEAST_0}), "smoothness", "log(-n/c)",
+        "not shown to have a value", "write n - n_end for n, with the parameter n_end = { positive = true }"),
+    (law("t + m*n*log(n/c)", {"m": POSITIVE, "c": POSITIVE}, "tn"), "smoothness", "log(n/c)", "not shown to have a value",
+        "with the parameter n_end = { positive = true } and n = { min = 0 } in the section [domain]"),
+    (law("-k*(1 + c*cos(2*lode(s))) + sqrt(3*J2(s))", {"k": POSITIVE, "c": Domain.between(0, "1/9")}, (), stress=Stress("s", "principal")),
+        "origin", "1/J2(s)**(3/2) in lode(s)", "at zero force", "write where(J2(s) > 0, lode(s), 0) for lode(s), if you mean 0 there"),
+    (law("-(1 + q/p)**sqrt(2)/(2 + q/p)**(3*sqrt(2)) + p/c", {"c": POSITIVE}, "pq", domain={"p": AT_LEAST_0, "q": AT_LEAST_0}), "origin",
+        "1/p", "at zero force", "if you mean 0 there"),
     (law("where(3*max(a, b) + min(a, b) > 0, max(a, b) - t, (a - b)**2/(8*t) + a + b)", {"t": POSITIVE}), "convexity",
         "where(3*max", "a choice by the forces", "your own values"),
 ]  # fmt: skip
@@ -94,7 +106,7 @@ def opened(criterion: Criterion, claim: str) -> Unsettled:
 
 def written_out(criterion: Criterion, text: str) -> str:
     """A text with the invariants of the law's stress written out, as they are in the law."""
-    for word in () if criterion.stress is None else ("cos3theta", "J2"):
+    for word in () if criterion.stress is None else ("lode", "cos3theta", "J2"):
         text = text.replace(f"{word}({criterion.stress.name})", f"({criterion.stress.written_out(word, None)})")
     return text
 
@@ -114,6 +126,8 @@ def changed(criterion: Criterion, action: str) -> Criterion:
     if action.startswith("ask for"):
         ranges = {name: dict(re.findall(r"(min|max) = ([^ ,}]+)", ends)) for name, ends in re.findall(r"(\w+) = \{ (.*?) \}", action)}
         more["domain"] = {**criterion.domain, **{name: Domain.between(ends.get("min"), ends.get("max")) for name, ends in ranges.items()}}
+    if action.startswith("ask for forces near K alone"):
+        more["domain"] = {x: Domain.between(low, high) for x, low, high in re.findall(r"(\w+) = \{ min = (\S+), max = (\S+) \}", action)}
     if found := re.match(r"write (.*) for (.*): K (?:stays|is) the same", action):
         new, old = (parse(written_out(criterion, text)) for text in found.groups())
         read = without_angles(parse(criterion.written))
@@ -122,6 +136,10 @@ def changed(criterion: Criterion, action: str) -> Criterion:
     if found := re.match(r"write (.*) for (.*), if you mean 0 there", action):
         limit, part = (written_out(criterion, text) for text in found.groups())
         more["g"] = criterion.written.replace(part, limit)
+    if found := re.match(r"write (\w+) ([+-]) (\w+) for \1, with the parameter", action):
+        more["g"] = re.sub(rf"\b{found[1]}\b", f"({found[1]} {found[2]} {found[3]})", criterion.written)
+        more["parameters"] = {**criterion.parameters, found[3]: POSITIVE}
+        more["domain"] = criterion.domain if found[1] in criterion.domain else {found[1]: AT_LEAST_0}
     if found := re.match(r"write (.*) for (.*) in psi", action):
         more |= {"energy": criterion.written_energy.replace(found[2], found[1]), "written_energy": ""}
     if found := re.match(r"write (.*) for g, which is", action):
@@ -143,6 +161,34 @@ def test_an_open_claim_names_the_part_that_no_rule_reads_and_what_helps(
         assert verify(changed(criterion, told), claims=[claim], effort=effort)[claim].verdict is Verdict.PROVED
     else:
         assert not found.actions  # nothing that was tried helped, and nothing is suggested
+
+
+IN_A_BOX = [  # K is not convex in the first two, and comes to a tip in the last
+    law("softplus(a - b) + softplus(-a - b/2) - w*softplus(b) + (b**2 - 1)**2/9 - 2", {"w": Domain.between(0, "3/10")}),
+    law("sin(2*a)*exp(b/3) + a**2 + b**2*(1 + w*cos(a)) - 1", {"w": Domain.between(0, 1)}),
+    law("(q/(m*p))**n + log(p/c)", {"m": Domain.between("4/5", "3/2"), "n": Domain.between(1, 4), "c": POSITIVE}, "pq",
+        domain={"p": AT_LEAST_0, "q": AT_LEAST_0}),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("criterion", IN_A_BOX)
+def test_smoothness_is_shown_in_ranges_and_away_from_a_tip(criterion: Criterion) -> None:
+    """What is told is followed, and |g| + |grad g| looked at in floats over the ranges that are told."""
+    (told,) = opened(criterion, "smoothness").actions
+    box = {x: Domain.between(low, high) for x, low, high in re.findall(r"(\w+) = \{ min = (\S+), max = (\S+) \}", told)}
+    g = criterion.written
+    if moved := re.search(r"write (\w+) ([+-]) (\w+) for \w+, with the parameter \w+ = \{ value = (\S+) \}", told):
+        name, sign, end, value = moved.groups()
+        g = re.sub(rf"\b{name}\b", f"({name} {sign} {value})", g)
+        assert f"farther from 0 than {value}" in told and end == f"{name}_end"
+    followed = replace(criterion, g=g, written="", domain=box).fix(dict(re.findall(r"--set (\w+)=([^\s:]+)", told)))
+    assert verify(followed, claims=["smoothness"])["smoothness"].verdict is Verdict.PROVED
+    x, y = followed.force_symbols()
+    here = followed.g.subs({followed.symbols()[name]: own.high for name, own in followed.parameters.items()})
+    grid = np.meshgrid(*(np.linspace(*box[name].ends, 601) + 1e-9 for name in followed.forces))
+    with np.errstate(all="ignore"):
+        found = (np.abs(np.broadcast_to(sp.lambdify((x, y), f, "numpy")(*grid), grid[0].shape)) for f in (here, here.diff(x), here.diff(y)))
+        assert np.nanmin(sum(found)) > 1e-3
 
 
 def test_what_is_settled_is_not_open() -> None:

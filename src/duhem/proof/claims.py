@@ -262,7 +262,7 @@ seams, although its formula differs in the four quadrants.  The tip at zero forc
 sigma_n < 0 and does not belong to the boundary.
 
 Refutation: a corner that is enclosed in a box, with two normals that are provably not parallel; or an exact point from which
-open cones about two opposite directions leave K.
+open cones about two directions leave K, which are opposite or have a ray into K between them.
 
 A boundary curve is C^1 if it does not cross itself (it is convex, or T x T' > 0), is analytic in its angle, and T' is never 0.""",
         methods=(
@@ -275,8 +275,10 @@ A boundary curve is C^1 if it does not cross itself (it is convex, or T x T' > 0
             DEAR,
             Finder(FormulaSubject, evidence.smoothness_by_identities),
             ProofMethod(FormulaSubject, evidence.smoothness_on_boundary),
+            Finder(FormulaSubject, evidence.convexity_in_a_box),
             OF_GRAPH,
             ProofMethod(GraphSubject, refuters.smoothness_at_corners),
+            Finder(GraphSubject, evidence.convexity_in_a_box),
         ),
     ),
     Claim(

@@ -1,9 +1,11 @@
-"""Convexity of K in a box of two forces, by enclosures of the slopes and curvatures of g in parts of the box.
+"""Convexity and smoothness of K in a box of two forces, by enclosures of the slopes and curvatures of g in parts of the box.
 
 Let g be twice differentiable in the box and c a point of it with g(c) < 0.  If (sigma - c) . grad g > 0 wherever g = 0, then g is 0 at
 most once on each ray from c, so that K is star-shaped; if v . H v > 0 there, with v along the boundary and H the second derivatives, K is
 locally convex.  A closed connected set that is locally convex is convex (Tietze 1928, Nakajima 1928).  Both are asked in each part in
 which g may be 0; a part in which they are not shown is divided (R. E. Moore 1966, Interval analysis).
+
+The boundary of any K is C^1 where grad g is continuous and not 0, which is asked in the same way.
 
 Parameters and the pressure are further sides of the box, by which nothing is differentiated.
 
@@ -21,7 +23,7 @@ from functools import cache, partial, reduce
 from itertools import product
 from math import perm
 
-from duhem.proof.kernel.bounds import ANY, NEGATIVE, POSITIVE, Bounds
+from duhem.proof.kernel.bounds import NEGATIVE, POSITIVE, ZERO, Bounds
 from duhem.proof.kernel.constant_value import Enclosure, enclosed, exact_value
 from duhem.proof.kernel.gradient import gradient
 from duhem.proof.kernel.polynomial import ONE, Polynomial, times, total
@@ -114,28 +116,31 @@ def _shifted(row: list[Enclosure], middle: Enclosure) -> list[Enclosure]:
 
 # -- any formula in its box --------------------------------------------------------------------------------------------
 
-_MOST_BOXES, _FINEST = 20_000, 4096  # the second for the least part of a side
+_MOST_BOXES, _FINEST, _NEARER = 20_000, 4096, 4  # the second for the least part of a side; places that are tried for c
 _PRICE = 7  # steps for a part of g, in a part of the box
 _SMOOTH = ("exp", "log", "sin", "cos", "tan", "sinh", "cosh", "tanh", "atan", "asin", "acos")
 _ZERO, _ONE, _TWO = (Enclosure.between(Fraction(n), Fraction(n)) for n in range(3))
-_X, _SOFTPLUS = Term("name", name="x"), parse("log(1 + exp(x))")
+_X, _E, _SOFTPLUS = Term("name", name="x"), Term("name", name="exponent of x"), parse("log(1 + exp(x))")
 _Box = Mapping[str, Enclosure]
 _Jet = tuple[Enclosure, ...]  # slopes by both forces; second derivatives by the first alone, by both, by the second alone
 _STILL: _Jet = (_ZERO,) * 5
 
 
-def convex_in_its_box(law: StatedLaw) -> bool:
-    """Whether the above is shown of g; c is 0 or, where that is not shown to be inside, the middle of the ranges."""
+def convex_in_its_box(law: StatedLaw, convex: bool = True) -> bool:
+    """Whether the above is shown of g; c is 0, the middle of the ranges, or a half or less of that.  Or that grad g is not 0, alone."""
     sides = {**law.parameters, **dict(law.ranges)}
     names = sorted({*law.g.names(), *law.forces} - {"pi"})
     if len(law.forces) != 2 or law.viscous or law.of_rates:
         return False
     whole = {name: _side(sides.get(name, Bounds(None, None))) for name in names}
-    c, of = dict.fromkeys(law.forces, _ZERO), None
+    of, middle = None, {x: (whole[x].low + whole[x].high) // 2 for x in law.forces}
     with suppress(ValueError, ZeroDivisionError, NotWritten):
         of = coefficients(law.g, law.forces)
-    if any(whole[x].sign != ANY for x in c) or not _is_shown(law, c, {**whole, **c}, of):
-        c = {x: Enclosure(middle, middle) for x in c for middle in [_halves(whole[x])[1].low]}
+    zero = [dict.fromkeys(law.forces, _ZERO)] if all(whole[x].sign & ZERO for x in law.forces) else []
+    places = (*zero, *({x: Enclosure(y >> k, y >> k) for x, y in middle.items()} for k in range(_NEARER)))
+    c = next((here for here in places if convex and _is_shown(law, here, {**whole, **here}, of)), None)
+    if convex and c is None:
+        return False
     boxes, count = [whole], sum(1 for _ in law.g.parts())
     for _ in range(_MOST_BOXES):
         if not boxes:
@@ -163,8 +168,10 @@ def _halves(side: Enclosure) -> tuple[Enclosure, Enclosure]:
     return Enclosure(side.low, middle), Enclosure(middle, side.high)
 
 
-def _is_shown(law: StatedLaw, c: _Box, box: _Box, of: Mapping[tuple[int, int], Fraction] | None) -> bool:
+def _is_shown(law: StatedLaw, c: _Box | None, box: _Box, of: Mapping[tuple[int, int], Fraction] | None) -> bool:
     """Whether g keeps a sign in a part of the box, which is < 0 at c, or the boundary rises from c and curves towards it.
+
+    Without a c, whether g keeps a sign, or grad g is continuous and not 0.
 
     ``of`` are the coefficients of g where it is a polynomial of the two forces alone.
     """
@@ -172,10 +179,12 @@ def _is_shown(law: StatedLaw, c: _Box, box: _Box, of: Mapping[tuple[int, int], F
         found = _Derivatives(law.forces, box) if of is None else TaylorForm(of, [box[x] for x in law.forces])
         sign = found.value(law.g).sign
         if sign in (NEGATIVE, POSITIVE):
-            return sign == NEGATIVE or any(c[x].high < box[x].low or c[x].low > box[x].high for x in c)
+            return c is None or sign == NEGATIVE or any(c[x].high < box[x].low or c[x].low > box[x].high for x in c)
         p, q, pp, pq, qq = found.of(law.g)
     except (ValueError, ZeroDivisionError):
         return False
+    if c is None:
+        return not p.sign & q.sign & ZERO
     x, y = (box[name].plus(c[name].minus()) for name in law.forces)
     bend = _plus(_plus(_times(pp, q.power(2)), _times(qq, p.power(2))), _times(_TWO, _times(pq, _times(p, q))).minus())
     return _plus(_times(x, p), _times(y, q)).sign == POSITIVE == bend.sign
@@ -209,15 +218,19 @@ class _Derivatives:
                 return tuple(_times(still, d) for d in reduce(_multiplied, moving)[1])
             case "log" if x.op == "+" and len(x.args) == 2 and x.args[0] == number(1) and x.args[1].op == "exp":
                 return self._chained(_SOFTPLUS, x.args[1].args[0], {_SOFTPLUS.args[0].args[1]: self.value(x.args[1])})
-            case "**":
-                return self._chained(Term("**", (_X, number(exact_value(term.args[1])))), x, {})
+            case "**" if not (e := term.args[1]).names() & self.forces:
+                with suppress(NotWritten):
+                    return self._chained(Term("**", (_X, number(exact_value(e)))), x, {})
+                return self._chained(Term("**", (_X, _E)), x, {}, self.value(e))
+            case "abs" if not self.value(x).sign & ZERO:
+                return tuple(d if self.value(x).low > 0 else d.minus() for d in self.of(x))
             case op if op in _SMOOTH:
                 return self._chained(Term(op, (_X,)), x, {})
         raise ValueError(f"no derivative of {term.op}")
 
-    def _chained(self, outer: Term, inner: Term, done: dict[Term, Enclosure]) -> _Jet:
+    def _chained(self, outer: Term, inner: Term, done: dict[Term, Enclosure], exponent: Enclosure = _ONE) -> _Jet:
         """Of ``outer`` in x with the value of ``inner`` for x; what is ``done`` was enclosed before."""
-        box = {_X.name: self.value(inner)}
+        box = {_X.name: self.value(inner), _E.name: exponent}
         d, dd = (enclosed(each, box, done=done) for each in _derived(outer))
         p, q, *bends = self.of(inner)
         squares = (p.power(2), _times(p, q), q.power(2))

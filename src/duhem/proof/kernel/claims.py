@@ -457,9 +457,14 @@ RULES: Mapping[tuple[str, str], RuleRow] = {
         "K is star-shaped about 0 and its boundary curves inward everywhere (Tietze 1928, Nakajima 1928)", True,
     ),
     ("convexity", "curvature-in-a-box"): RuleRow(
-        _NONE, lambda law, _: convex_in_its_box(law), obligations.nothing,
+        _NONE, lambda law, _: law.once(convex_in_its_box), obligations.nothing,
         "K is star-shaped about a point and its boundary curves inward, by enclosures in parts of the ranges of the forces "
         "(Tietze 1928, Nakajima 1928; Moore 1966)", True, most_forces=2,
+    ),
+    ("smoothness", "curvature-in-a-box"): RuleRow(
+        _NONE, lambda law, _: law.once(convex_in_its_box, False), obligations.nothing,
+        "grad g is continuous and not 0 wherever g = 0, by enclosures in parts of the ranges of the forces (Moore 1966)", True,
+        most_forces=2,
     ),
     ("smoothness", "composition"): RuleRow(
         _NONE, smoothness, obligations.formula_where_loads_allow,

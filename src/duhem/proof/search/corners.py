@@ -48,6 +48,7 @@ _AROUND = Fraction(1, 10**4)  # of a place in floats, by its size: as far as pie
 _SHARP = 1e-5
 _MOST_WAYS, _SHOWN = 400, 6
 _PLACE = 20_000  # steps of one
+_LEANS = (1, 4)  # how far two ways out of K lean towards that into it between them, where they are not opposite
 _SAME = 3.0  # how much more one may fall than the other on a tenth of the way
 _LARGEST = 10_000  # the denominator of a plain fraction
 _ALONG = 10.0 ** np.linspace(-5, 5, 61)
@@ -55,8 +56,8 @@ _ALONG = 10.0 ** np.linspace(-5, 5, 61)
 Place = tuple[float, float]
 Crossing = tuple[Seam, Point]  # a point (decimals of high precision) on the boundary, on a seam with one switch
 SharpPoint = tuple[
-    Values, Point, Point, Point
-]  # a place from which, as it seems, K is left in one direction and its opposite, and entered in another
+    Values, Point, Point, Point, int
+]  # a place from which, as it seems, K is left in the directions c v + w and c v - w, and entered in v; w, v and c
 SectionCorner = tuple[Values, PlaneSection, Point]  # a place in a plane of forces at which, as it seems, the boundary has a corner
 
 
@@ -255,7 +256,7 @@ def _turns(subject: FormulaSubject, parameters: Values, section: PlaneSection) -
 
 
 def sharp_points(subject: FormulaSubject, parameters: Values) -> Iterator[SharpPoint]:
-    """Places with directions: on both ends of the one g > 0, as it seems, and on the other g < 0; while steps are left."""
+    """Places with directions: g > 0 on two of them, as it seems, and g < 0 on one between these; while steps are left."""
     forces = subject.simple.forces
     g = subject.formula_at(parameters)
     level, pointed = compiled(g, forces), edges(g, forces)
@@ -263,8 +264,8 @@ def sharp_points(subject: FormulaSubject, parameters: Values) -> Iterator[SharpP
     opposite = [ways.index(tuple(-c for c in way)) for way in ways]
     steps = np.array([[float(c) for c in way] for way in ways])
 
-    def values(place: Point, reach: float) -> Any:
-        points = np.array([float(c) for c in place]) + reach * steps
+    def values(place: Point, reach: float, lean: Any = 0) -> Any:
+        points = np.array([float(c) for c in place]) + reach * (steps + lean)
         with np.errstate(all="ignore"):
             return np.broadcast_to(level(*points.T), len(ways))
 
@@ -273,14 +274,18 @@ def sharp_points(subject: FormulaSubject, parameters: Values) -> Iterator[SharpP
             return
         size = _SHARP * max(1.0, *(abs(float(c)) for c in place))
         found, nearer = values(place, size), values(place, size / 10)
-        both, both_nearer = (np.minimum(v, v[opposite]) for v in (found, nearer))
         home = tuple(-c / max(map(abs, place)) for c in place) if any(place) else None
         back = [k for k, way in enumerate(ways) if way == home]  # on which floats may not see that a load is 0
-        falls = [(k, 0.1) for k in back] + [(k, nearer[k] / found[k]) for k in np.argsort(found)[:2] if -np.inf < found[k] < 0]
-        outside = [k for k in np.argsort(-both) if both[k] > 0]
-        for k, fall in falls[:2]:  # where g rises less steeply than it falls, K has a tangent
-            steep = [i for i in outside if both_nearer[i] > both[i] * fall / _SAME][:_SHOWN]
-            yield from ((parameters, place, ways[i], ways[k]) for i in steep)
+        falls = [(k, nearer[k] / found[k]) for k in np.argsort(found) if -np.inf < found[k] < 0]
+        ends = [(k, fall, 0) for k, fall in [*((k, 0.1) for k in back), *falls[:2]][:2]]
+        for k, fall, lean in (*ends, *((k, fall, lean) for lean in _LEANS for k, fall in falls)):
+            both, both_nearer = (np.minimum(v, v[opposite]) for v in (values(place, r, lean * steps[k]) for r in (size, size / 10)))
+            # where g rises less steeply than it falls, K has a tangent
+            steep = [i for i in np.argsort(-both) if both[i] > 0 and both_nearer[i] > both[i] * fall / _SAME]
+            for i in steep[: 1 if lean else _SHOWN]:
+                if lean and not subject.budget.pays(_PLACE):
+                    return
+                yield parameters, place, ways[i], ways[k], lean
 
 
 def _plain_places(g: sp.Expr, forces: Sequence[sp.Symbol]) -> Iterator[Point]:
@@ -331,13 +336,15 @@ def _on_edges(g: sp.Expr, forces: Sequence[sp.Symbol], pointed: Sequence[tuple[i
 
 
 def _ways(dimension: int) -> list[Point]:
-    """Directions of small whole numbers, each with its opposite: all of them in few forces, else some at random (fixed seed)."""
+    """Directions of small whole numbers, each with its opposite: all of them in few forces, else some at random (fixed seed), axes and the
+    pressure of a stress.
+    """
     if dimension <= 3:
         return [tuple(map(Fraction, way)) for way in product(range(-2, 3), repeat=dimension) if any(way)]
     rng = random.Random(6)
     drawn = ([rng.randint(-2, 2) for _ in range(dimension)] for _ in iter(int, 1))
     found = dict.fromkeys(tuple(map(Fraction, way)) for way in islice((w for w in drawn if any(w)), _MOST_WAYS // 2))
-    axes = [tuple(Fraction(int(i == k)) for i in range(dimension)) for k in range(dimension)]
+    axes = [tuple(Fraction(int(i in at)) for i in range(dimension)) for at in (*((k,) for k in range(dimension)), range(3))]
     return list(dict.fromkeys(sign for way in (*found, *axes) for sign in (way, tuple(-c for c in way))))
 
 

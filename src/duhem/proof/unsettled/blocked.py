@@ -171,7 +171,8 @@ def _normality(law: StatedLaw) -> Blocked | None:
     if law.of_rates:
         return _resistance(law)
     if law.flow is None:
-        return _convexity(law) if law.associated else None
+        found = _convexity(law) if law.associated else None
+        return found and found._replace(why=f"{found.why}; what settles convexity settles normality")
     found = _undefined((law.g, *law.flow), within_ranges(law))
     return found or Blocked(Term(",", law.flow), "is the flow, and is not shown to be a multiple >= 0 of grad g where g = 0")
 
@@ -206,11 +207,13 @@ def _rough(g: Term, domain: StatedDomain, where: str) -> Blocked | None:
 
 
 def _smoothness(law: StatedLaw) -> Blocked | None:
-    domain = over(law)
-    found = _undefined((law.g,), domain) or _rough(law.g, domain, "on the boundary") or _convexity(law)
-    return found or Blocked(law.g, "is C^1, but no rule shows that its gradient is not 0 where g = 0")
+    """Name what may have no gradient; else what convexity lacks: the gradient of a convex g is 0 at its least value alone."""
+    domain = within_ranges(law)
+    found = _undefined((law.g,), domain) or _rough(law.g, domain, "on the boundary")
+    return found or (_convexity(law) or Blocked(law.g, ""))._replace(part=law.g, why=_FLAT)
 
 
+_FLAT = "is C^1, but no rule shows that its gradient is not 0 where g = 0"
 _FINDERS = {
     "origin": _origin, "convexity": _convexity, "state_laws": _convexity, "smoothness": _smoothness, "normality": _normality,
     "dissipation": _power,

@@ -6,6 +6,7 @@ Whether K stays what it was is looked at in floats, close to where the load is 0
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from dataclasses import replace
 from fractions import Fraction
 from itertools import islice, product
@@ -24,11 +25,11 @@ from duhem.proof.kernel.definedness import Reader, rarely_zero
 from duhem.proof.kernel.domain import NEGATIVE, StatedDomain
 from duhem.proof.kernel.identity import multiplied_out
 from duhem.proof.kernel.stated_law import StatedLaw
-from duhem.proof.kernel.term import Term, factors, number, product_of, sum_of
+from duhem.proof.kernel.term import NotWritten, Term, factors, number, product_of, sum_of
 from duhem.proof.search.boundary_points import scouts
 from duhem.proof.unsettled.term_text import Names, in_text
 
-__all__ = ["keeps_k", "same_points", "short", "split", "times", "with_values"]
+__all__ = ["keeps_k", "named_around", "same_points", "short", "split", "times", "with_values"]
 
 _MOST = 4  # parts in one formula, and ways to choose each
 _CHOICES, _DRAWN, _MOVES = 2, 24, 30  # of parameters; of places, and around each; to a zero of a size
@@ -89,7 +90,14 @@ def _above(g: Term, part: Term, names: Names) -> list[Term]:
     """Parts that hold a part: those that have a name, then the product that it stands in, then the term of the sum; the smallest first."""
     found = [x for x in g.parts() if x != part and part in x.parts()]
     whole = [x for x in found if x.op == "*"]
-    return [*(x for x in found if isinstance(names.get(x), str)), *whole[:1], *whole[-1:], *found[:1]] or [part]
+    return [*named_around(g, part, names), *whole[:1], *whole[-1:], *found[:1]] or [part]
+
+
+def named_around(g: Term, part: Term, names: Names) -> list[Term]:
+    """Parts with a name that hold a part, the smallest first; of the words of a tensor those that the law writes, not what is in them."""
+    found = [x for x in g.parts() if x != part and part in x.parts() and isinstance(names.get(x), str)]
+    words = [x for x in found if "(" in str(names[x])]
+    return [x for x in found if x not in words or x in g.put({y: _ZERO for y in words if y != x and x in y.parts()}).parts()]
 
 
 def times(term: Term, size: Term, power: Term, domain: StatedDomain) -> Term:
@@ -128,8 +136,10 @@ def split(term: Term, size: Term, domain: StatedDomain) -> tuple[list[Term], Ter
 
 
 def short(constant: Term) -> Term:
-    """A number where it has no names."""
-    return constant if constant.names() else number(exact_value(constant))
+    """A fraction where it is one."""
+    with suppress(NotWritten):
+        return constant if constant.names() else number(exact_value(constant))
+    return constant
 
 
 @np.errstate(all="ignore")  # where a formula has no value it is nan, or infinite

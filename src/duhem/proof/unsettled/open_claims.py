@@ -33,7 +33,7 @@ from duhem.proof.search.boundary_points import scouts
 from duhem.proof.search.margins import least_margin
 from duhem.proof.unsettled.blocked import Blocked, blocked, required
 from duhem.proof.unsettled.forms import other_forms
-from duhem.proof.unsettled.limits import keeps_k, same_points, with_values
+from duhem.proof.unsettled.limits import keeps_k, named_around, same_points, with_values
 from duhem.proof.unsettled.term_text import Names, in_text, names_of
 from duhem.proof.unsettled.trials import Attempts, Rewriting, that_help
 from duhem.proof.verdict import CONTRADICTION, Evidence, Unsettled, Verdict
@@ -143,7 +143,7 @@ class OpenClaims:
             first = [{name: Fraction(value) for name, value in bad.items()}] if bad and own else []
             choices, forms = partial(_with_k, asked), partial(self._same, asked, names)
             actions = that_help(claim, asked.text, proved, found, choices, forms, own, first, self._tried, partial(_ranges, asked))
-        part, why = (None, None) if found is None else _quoted(found, names)
+        part, why = (None, None) if found is None else _quoted(found, asked, names)
         return Unsettled(inequality, part, why, place, measure, margin, tuple(actions))
 
     def _same(self, asked: _OpenClaim, names: Names) -> list[Rewriting]:
@@ -162,11 +162,14 @@ def _inequality(claim: str, law: Law) -> str:
     return {**_INEQUALITIES, **own}.get(claim, EVERY[claim].statement)
 
 
-def _quoted(found: Blocked, names: Names) -> tuple[str, str]:
-    """The part that no rule reads as the law has it, and what is lacking."""
+def _quoted(found: Blocked, asked: _OpenClaim, names: Names) -> tuple[str, str]:
+    """The part that no rule reads as the law has it, with the word for a tensor that has it in its formula, and what is lacking."""
     text = in_text(found.part, names)
     if len(text) > _LONGEST:
         text = f"{text[: _LONGEST // 2]} ... {text[-_LONGEST // 2 :]}"
+    with suppress(*UNREADABLE):
+        around = named_around(parse(asked.text["g"]), found.part, names) if "g" in asked.text else []
+        text += "".join(f" in {names[x]}" for x in around[:1] if "(" in str(names[x]))
     return text, found.why
 
 
@@ -229,7 +232,8 @@ def _ranges(asked: _OpenClaim, values: Mapping[str, Any]) -> dict[str, Any]:
             near = [x for one in scouts(FormulaSubject(law.fix(values)), _CHOICES) for x in one.boundary]
             for name, (low, high) in zip(law.forces, np.quantile(near, (0.05, 0.95), axis=0).T if near else (), strict=False):
                 ends = {end: f"{float(f'{x:.2g}'):g}" for end, x in (("min", 1.5 * low - 0.5 * high), ("max", 1.5 * high - 0.5 * low))}
-                found[name] = ends | {end: x for end, x in asked.text.get("domain", {}).get(name, {}).items() if x}
+                own = asked.text.get("domain", {}).get(name, {})
+                found[name] = ends | {end: x for end, x in own.items() if x is not None}
     return found
 
 

@@ -20,7 +20,7 @@ from duhem.proof.kernel.claims import needs_of, objection, rules_of
 from duhem.proof.kernel.curvature import over
 from duhem.proof.kernel.stated_law import StatedLaw, inhabited
 from duhem.proof.kernel.steps import TooDearError, within
-from duhem.proof.kernel.term import UNREADABLE, Term
+from duhem.proof.kernel.term import UNREADABLE, Term, minus, parse, sum_of
 from duhem.proof.unsettled.blocked import Blocked
 from duhem.proof.unsettled.term_text import in_text
 from duhem.proof.verdict import Verdict
@@ -32,6 +32,7 @@ Choice = Mapping[str, Fraction]
 Choices = Callable[[Iterable[Choice]], Iterable[Choice]]  # those of some at which K is not empty, and more
 Decide = Callable[[str, Text, Budget], Verdict | None]  # the verdict on a claim of a changed law; None where it is open
 _IN_ALL, _SHARE = 5_000_000, 2  # steps for all claims of a law; one claim may use 1/_SHARE of what is left
+_A_SHARE = 100  # of a range by which K is moved
 _A_TRIAL, _A_KIND, _A_DECISION, _IN_A_BOX, _READING = 200_000, 400_000, 250_000, 1_000_000, 5_000  # steps; for reading a law
 _BEFORE = ("origin", "convexity", "smoothness", "normality", "dissipation", "state_laws", "homogeneity")
 _TOLD = _BEFORE[:5]  # those of which it is said that they are proved too
@@ -98,7 +99,9 @@ def that_help(
     known, asked.steps = [*choices(_choices(law))], _A_KIND
     # where g has no value at a tip, it is no parameter that is to blame; a closed form takes long to look for
     alone = () if any(form.at_tip for form in forms()) or not known or claim == "duality" else sorted(known[0])
-    found = _narrowed(law, alone, known, {}, asked) or _boxed(law, known, ranges, asked)
+    moved = _moved(law, part) if claim == "smoothness" and "g" in law else ()  # nothing else of a moved K is true of K itself
+    beside = (told for told, changed in moved if asked(changed))
+    found = _narrowed(law, alone, known, {}, asked) or [*islice(beside, 1)] or _boxed(law, part, known, ranges, asked)
     return found or _settling(law, forms(), part, known, choices, asked)
 
 
@@ -137,9 +140,10 @@ class _Asked:
         known |= self.settled if law.get("g") == self.g else self.settled & {"origin"}  # other forms of g have the same K
         if claim in known or claim in answers or self.steps < 0 or self.tried.steps <= self.kept:
             return claim in known
-        with within(_IN_A_BOX if rules else _A_TRIAL) as purse, suppress(*UNREADABLE, TooDearError):
+        alone = bool(rules) and claim == "smoothness"  # which rests on nothing else then, and takes fewer steps
+        with within(_IN_A_BOX if rules and not alone else _A_TRIAL) as purse, suppress(*UNREADABLE, TooDearError):
             read, needed = stated(law), {claim}
-            for name in reversed(_BEFORE):
+            for name in reversed(() if alone else _BEFORE):
                 needed |= needs_of(name, read) if name in needed else set()
             for name in (name for name in _BEFORE if name in needed - known and name not in answers):
                 answers[name] = any(not objection(name, rule, frozenset(known), read, {}) for rule in (*rules, *rules_of(name, read)))
@@ -207,6 +211,26 @@ def _ranges(law: Text, blocked: Blocked, _: Choices) -> Iterator[tuple[str, Text
             yield action, {**law, "domain": {**ranges, force: {end: "0"}}}
 
 
+def _moved(law: Text, part: frozenset[str], box: Text | None = None) -> Iterator[tuple[str, Text]]:
+    """Yield K moved along a load of a part by a parameter > 0: what is smooth then is so wherever the load is not 0.
+
+    In a ``box`` of ranges it is moved by a small value.
+    """
+    g, ranges = parse(law["g"]), box or law.get("domain", {})
+    for force, (side, sign) in product(sorted(part & {*law["forces"]}), (("min", "+"), ("max", "-"))):
+        x, end, own = Term("name", name=force), Term("name", name=f"{force}_end"), ranges.get(force, {"min": "0"})
+        if str(own.get(side)) == "0" and end.name not in law["parameters"]:
+            size = max(abs(Fraction(value)) for value in own.values()) / _A_SHARE if box else None
+            moved = in_text(g.put({x: sum_of(x, end if sign == "+" else minus(end))}), {})
+            told = f"write {force} {sign} {end.name} for {force}, with the parameter {end.name} = "
+            told += f"{{ value = {size} }}" if box else "{ positive = true }"
+            told += "" if force in ranges else f" and {force} = {{ min = 0 }} in the section [domain]"
+            declared = {**law["parameters"], end.name: {"value": f"{size}"} if box else {"positive": True}}
+            where = f"farther from 0 than {size}" if box else "not 0"
+            changed = {**law, "g": moved, "parameters": declared, "domain": {**ranges, force: own}}
+            yield f"{told}: what is proved then is so of K wherever {force} is {where}", changed
+
+
 def _settling(
     law: Text, forms: Sequence[Rewriting], part: frozenset[str], known: Sequence[Choice], choices: Choices, asked: _Asked
 ) -> list[str]:
@@ -223,14 +247,24 @@ def _settling(
     return []
 
 
-def _boxed(law: Text, known: Sequence[Choice], ranges: Callable[[Choice], Text], asked: _Asked) -> list[str]:
-    """Ranges of both forces in which K is shown to be convex by enclosures, at all values of the parameters or at plain ones."""
-    for values in ({}, *known[:_MOST_BOXED]) if asked.claim in ("convexity", "normality", "dissipation") else ():
+def _boxed(law: Text, part: frozenset[str], known: Sequence[Choice], ranges: Callable[[Choice], Text], asked: _Asked) -> list[str]:
+    """Ranges of both forces in which K is shown to be convex by enclosures, at all values of the parameters or at plain ones; or to be
+    smooth, perhaps away from a tip, at as few of these as may be.
+    """
+    smooth, rules = asked.claim == "smoothness", ("curvature-in-a-box",)
+    for values in ({}, *known[:_MOST_BOXED]) if asked.claim in ("convexity", "smoothness", "normality", "dissipation") else ():
         box, asked.steps = ranges(values), _A_KIND
-        if box and asked(boxed := {**_with(law, values), "domain": box}, rules=("curvature-in-a-box",)):
-            told = " and ".join(f"{x} = {{ min = {own['min']}, max = {own['max']} }}" for x, own in box.items())
-            fixed = " and " * bool(values) + settings(values)
-            return [asked.keep(f"ask for forces near K alone: {told} in the section [domain]{fixed}", boxed)]
+        for told, base in (("", law), *(_moved(law, part, box) if smooth else ())) if box else ():
+            if not asked(boxed := {**_with(base, values), "domain": box}, rules=rules):
+                continue
+            for x in values if smooth else ():
+                fewer = {name: value for name, value in values.items() if name != x}
+                if asked(freed := {**_with(base, fewer), "domain": box}, rules=rules):
+                    values, boxed = fewer, freed
+            near = " and ".join(f"{x} = {{ min = {own['min']}, max = {own['max']} }}" for x, own in box.items())
+            said = f"ask for forces near K alone: {near} in the section [domain]"
+            said = " and ".join(filter(None, (said, settings(values), told)))
+            return [said if told else asked.keep(said, boxed)]
     return []
 
 

@@ -4,9 +4,10 @@ A corner is held in a box of a plane.  The plane cuts g into smooth pieces.  Two
 the box, and there the zeros of each cross the seam: so points of the boundary come to the corner from both sides of it.  At these g is
 differentiable in all forces, with gradients that stay bounded and whose parts in the plane are not parallel.
 
-A sharp point is at an exact place: K comes to it, and leaves open cones about two opposite directions free.  Were the boundary C^1 there
-with the outward normal n, K would lie on one side of it, for a ray of points with g < 0 comes to the place.  All rays near w and near -w
-leave K, so n . v >= 0 for every v near w and near -w: then n = 0.  What g is along x + t v is shown with the least power of t taken out,
+A sharp point is at an exact place: K comes to it along v, and leaves open cones about two directions c v + w and c v - w free, c >= 0.
+Were the boundary C^1 there with the outward normal n, K would lie on one side of it, for a ray of points with g < 0 comes to the place:
+n . v <= 0.  All rays near the two leave K, so n . u >= 0 for every u near them, and > 0 for these themselves, as n is not 0: so is their
+sum, 2 c n . v.  That cannot be.  What g is along x + t v is shown with the least power of t taken out,
 over all of 0 < t <= 1/N and all v of a box; where g has no such power, by its derivatives in t.  A maximum is > 0 where one part is,
 and < 0 where all are.  A size |t w| is t |w|.
 """
@@ -157,22 +158,23 @@ def _has_zero(system: Any, jacobian: Any, centre: Any, box: Any, radius: Fractio
 
 
 def sharp_point(
-    subject: FormulaSubject, parameters: Values, place: Sequence[Fraction], away: Sequence[Fraction], into: Sequence[Fraction]
+    subject: FormulaSubject, parameters: Values, place: Sequence[Fraction], aside: Sequence[Fraction], into: Sequence[Fraction], lean: int
 ) -> Witness | None:
-    """Such a point with w = ``away`` and the ray ``into`` K; None if that is not certain.  g must be defined and not jump."""
+    """Such a point with w = ``aside``, v = ``into`` and c = ``lean`` >= 0; None if that is not certain.  g must be defined and not jump."""
     if subject.doubtful or not subject.joined(subject.simple.g):
         return None
     g = _without_root(subject.formula_at(parameters))
-    opposite = [-c for c in away]
+    away, opposite = ([abs(lean) * v + side * w for v, w in zip(into, aside, strict=True)] for side in (1, -1))
     with precision(_BITS):
         for width, reach in _CONES:
             ends = ((into, Fraction(0), -1), (away, width, 1), (opposite, width, 1))
             if all(_Cone(subject.simple.forces, place, way, wide, reach).sign(g) == sign for way, wide, sign in ends):
                 ways = {"corner": [Fraction(0)] * len(away), "outside": away, "opposite": opposite, "inside": into}
                 points = {role: [x + reach * c for x, c in zip(place, way, strict=True)] for role, way in ways.items()}
+                where = " between" if lean else ""
                 statement = (
                     "g > 0 on all of the ways from the corner to `outside` and to `opposite`, and on those beside them (each force by up "
-                    f"to {width * reach} at the end), and g < 0 on the way to `inside`: no half-space is tangent to K at the corner"
+                    f"to {width * reach} at the end), and g < 0 on the way to `inside`{where}: no half-space is tangent to K at the corner"
                 )
                 shown = {role: subject.values_at(parameters, point) for role, point in points.items()}
                 return witness(subject, shown, {}, statement, {"beside": float(width * reach)})
