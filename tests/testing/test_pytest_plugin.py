@@ -121,7 +121,7 @@ def test_a_routine_that_does_not_come_back_fails_and_stops_no_other_test(pyteste
     pytester.makepyfile(
         test_friction=HEAD
         + """
-from duhem.testing.routines.routine import Unfinished
+from duhem.testing.routines import Unfinished
 
 @pytest.mark.duhem(law=None, checks=["dissipation", "vacuity"], pressure=-1.0, stiffness=np.eye(2), max_examples=2, rows=5)
 def endless(trial, pressure, stiffness):

@@ -37,7 +37,7 @@ from duhem.testing.conformance import check_expected, checks_asked, conformance
 from duhem.testing.drawn.case import Case
 from duhem.testing.drawn.options import RunOptions, check_share
 from duhem.testing.failures.report import MET, PASSED, SKIPPED, UNMET, Report
-from duhem.testing.routines.routine import Update
+from duhem.testing.routines import Update
 from duhem.testing.snapshots import Entry, Project, SnapshotFile, differences, snapshot
 
 __all__ = ["PROFILES", "TomlTests", "check_items", "checked", "compared", "names_of_checks"]

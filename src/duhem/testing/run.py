@@ -32,8 +32,7 @@ from duhem.testing.failures.diagnosis import IN_REGION, Regions, as_expected, by
 from duhem.testing.failures.failure import RAISED, Failure, drawn_again, least_case, shortened, simplified
 from duhem.testing.failures.report import Report
 from duhem.testing.failures.suggestions import needs_the_run
-from duhem.testing.routines.material import Material, stateless
-from duhem.testing.routines.routine import Origin, Unfinished, Update, named, origin
+from duhem.testing.routines import Material, Origin, Unfinished, Update, named, origin, stateless
 
 __all__ = ["ConformanceRun"]
 

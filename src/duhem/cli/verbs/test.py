@@ -33,8 +33,7 @@ from duhem.errors import InputError
 if TYPE_CHECKING:
     from duhem.testing.checks.registry import Check
     from duhem.testing.failures.report import Report
-    from duhem.testing.routines.material import Material
-    from duhem.testing.routines.routine import Unfinished
+    from duhem.testing.routines import Material, Unfinished
     from duhem.testing.run import ConformanceRun
 
     Routine = Callable[..., ConformanceRun]  # what makes its run
@@ -191,7 +190,7 @@ def _places(text: str, where: str) -> list[int]:
 def _material(subject: str, own: bool, of_umat: Mapping[str, Any], places: Mapping[str, list[int]], k: Any) -> Material | None:
     """The material that is named, or made of a UMAT; None for anything else."""
     from duhem.testing.foreign import umat
-    from duhem.testing.routines.material import Material
+    from duhem.testing.routines import Material
 
     if _is_umat(subject):
         return umat(subject, stiffness=k, **of_umat)

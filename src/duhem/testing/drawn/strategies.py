@@ -26,8 +26,7 @@ from duhem.testing.drawn.case import Case
 from duhem.testing.drawn.options import stiffness_matrix
 from duhem.testing.drawn.region import Region
 from duhem.testing.drawn.values import MANTISSAS, Strategy, admitted, decades, scaled, table
-from duhem.testing.routines.material import ELASTIC, Material
-from duhem.testing.routines.routine import Unfinished
+from duhem.testing.routines import ELASTIC, Material, Unfinished
 
 __all__ = [
     "TURNS", "cases", "decades", "histories", "loadings", "parameters", "pressures", "stiffnesses", "trials", "turned", "ways",

@@ -24,7 +24,7 @@ from numpy.typing import ArrayLike, NDArray
 from duhem.errors import InputError
 from duhem.projection.result import Array
 from duhem.testing.foreign.shared import loaded, made_again, watched
-from duhem.testing.routines.material import Material, MaterialState
+from duhem.testing.routines import Material, MaterialState
 
 __all__ = ["SOURCES", "built", "rotation", "umat"]
 

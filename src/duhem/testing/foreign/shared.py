@@ -17,8 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 from duhem.errors import InputError
 from duhem.projection.result import Array
 from duhem.testing.foreign.native import SECONDS, Native, NativeFault, OutOfTime
-from duhem.testing.routines.material import Material, MaterialState
-from duhem.testing.routines.routine import Overwritten, Step, Unfinished, changed, overwritten
+from duhem.testing.routines import Material, MaterialState, Overwritten, Step, Unfinished, changed, overwritten
 
 __all__ = ["Argument", "Prototype", "SharedLibrary", "loaded", "made_again", "shared_library", "shared_material", "watched"]
 
