@@ -38,8 +38,7 @@ from duhem.projection.method import Method, Options
 from duhem.projection.methods import METHODS
 from duhem.projection.projector import Projector
 from duhem.projection.result import Array, Projection, Solution
-from duhem.projection.scaled_formula import power_of_two
-from duhem.projection.scaled_yield_function import level_of
+from duhem.projection.scaled_formula import level_of, power_of_two
 
 __all__ = ["JAXMAT", "PEERS", "SLSQP", "Contender", "Peer", "PeerOptions", "Specimen", "applicable"]
 

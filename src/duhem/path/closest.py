@@ -25,8 +25,7 @@ from duhem.projection.method import Compiling
 from duhem.projection.projector import Projector
 from duhem.projection.result import NOT_CLOSEST, NOT_SHOWN, Array, Projection, Status
 from duhem.projection.row_by_row import widest
-from duhem.projection.scaled_formula import power_of_two
-from duhem.projection.scaled_yield_function import level_of
+from duhem.projection.scaled_formula import level_of, power_of_two
 
 __all__ = [
     "LOST", "Closest", "ClosestPoints", "ShapeNumbers", "closest_by", "outside", "shape_by", "shape_name", "shape_numbers", "vouched",

@@ -18,7 +18,7 @@ from duhem.path.rows import Ledger, Stepped
 from duhem.path.run import Plan, Share
 from duhem.path.step_formulas import on_numbers
 from duhem.projection.result import Array
-from duhem.projection.scaled_yield_function import level_of
+from duhem.projection.scaled_formula import level_of
 from duhem.projection.variational_samples import beyond_tangents
 
 __all__ = ["Piece", "advance", "elementary", "piece", "why"]

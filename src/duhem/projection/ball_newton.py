@@ -21,8 +21,7 @@ from duhem.projection.metric import ROUNDING, Metric
 from duhem.projection.normal_cones import beside
 from duhem.projection.result import ACCURACY, Array, Residuals, Solution
 from duhem.projection.row_by_row import length, times, widest
-from duhem.projection.scaled_formula import power_of_two
-from duhem.projection.scaled_yield_function import Level, level_of
+from duhem.projection.scaled_formula import Level, level_of, power_of_two
 
 __all__ = ["LEAST_SLIP", "SLIP_SHARE", "ClosestInDigits", "closest", "closest_beside", "departures", "put_right"]
 

@@ -34,8 +34,7 @@ from duhem.projection.plain_numbers import FAULTS, interpreted, zeros
 from duhem.projection.residuals import Judge, Told
 from duhem.projection.result import Array, Residuals, Solution
 from duhem.projection.row_by_row import unit
-from duhem.projection.scaled_formula import ScaledFormula
-from duhem.projection.scaled_yield_function import Level
+from duhem.projection.scaled_formula import Level, ScaledFormula
 from duhem.projection.variational_samples import Variational
 
 __all__ = ["Look", "compiled_look", "plain_look", "told", "told_one_by_one"]

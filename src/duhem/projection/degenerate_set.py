@@ -17,8 +17,7 @@ from duhem.projection.increment import Increment
 from duhem.projection.outer_approximation import HalfSpaces
 from duhem.projection.result import Array, Solution
 from duhem.projection.row_by_row import times
-from duhem.projection.scaled_formula import grown, power_of_two, scaled
-from duhem.projection.scaled_yield_function import level_of
+from duhem.projection.scaled_formula import grown, level_of, power_of_two, scaled
 from duhem.projection.whitened_body import Body, Index, body, whitening
 
 __all__ = ["shrunk"]

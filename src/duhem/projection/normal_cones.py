@@ -21,7 +21,7 @@ from duhem.projection.outer_approximation import HalfSpaces
 from duhem.projection.plain_numbers import FAULTS, interpreted, zeros
 from duhem.projection.result import Array, Pointwise
 from duhem.projection.row_by_row import dot, length, spanning, times, unit
-from duhem.projection.scaled_yield_function import Level
+from duhem.projection.scaled_formula import Level
 
 __all__ = ["Suspect", "beside", "off_cone", "off_edge"]
 

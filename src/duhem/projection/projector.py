@@ -35,8 +35,7 @@ from duhem.projection.principal_stresses import principal
 from duhem.projection.residuals import Judge, Told, residuals
 from duhem.projection.result import ACCURACY, Array, Judged, Projection, Residuals, Solution, Status
 from duhem.projection.row_by_row import any_of, dot, length, products, times, unit, widest
-from duhem.projection.scaled_formula import power_of_two
-from duhem.projection.scaled_yield_function import Level, level_of
+from duhem.projection.scaled_formula import Level, level_of, power_of_two
 from duhem.projection.variational_samples import looks, points_seen, tangents
 
 __all__ = ["ACCURACY", "Projector"]

@@ -32,8 +32,7 @@ from duhem.projection.metric import ROUNDING, Metric
 from duhem.projection.normal_cones import Suspect, off_cone
 from duhem.projection.result import ACCURACY, Array, Residuals, Solution
 from duhem.projection.row_by_row import any_of, columns_times, dot, length, share, unit, widest
-from duhem.projection.scaled_formula import power_of_two
-from duhem.projection.scaled_yield_function import Level, Placed, level_of
+from duhem.projection.scaled_formula import Level, Placed, level_of, power_of_two
 from duhem.projection.variational_samples import Variational
 
 __all__ = ["Judge", "Told", "residuals"]
