@@ -10,7 +10,7 @@ from mpmath import MPContext
 
 import duhem
 from duhem.projection.increment import increment
-from duhem.projection.principal_stresses import principal
+from duhem.projection.projector import principal
 from duhem.projection.result import Status
 
 mp = MPContext()

@@ -22,7 +22,6 @@ from duhem.expression.jets import Choices
 from duhem.expression.rays import crossing
 from duhem.projection.affine_faces import faces
 from duhem.projection.ball_newton import closest
-from duhem.projection.degenerate_set import shrunk
 from duhem.projection.extended_precision import close_look
 from duhem.projection.implicit_tangent import tangent
 from duhem.projection.in_blocks import FEW_SEARCHED
@@ -33,7 +32,7 @@ from duhem.projection.outer_approximation import HalfSpaces
 from duhem.projection.result import Array, Pointwise, Solution
 from duhem.projection.row_by_row import times
 from duhem.projection.scaled_formula import grown, power_of_two, scaled
-from duhem.projection.whitened_body import Body, Index, body, inner_points, lineality, whitening
+from duhem.projection.whitened_body import Body, Index, body, inner_points, lineality, shrunk, whitening
 
 __all__ = ["NEWTON", "NewtonOptions", "applies", "search", "solve", "tangent"]
 
