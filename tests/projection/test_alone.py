@@ -9,7 +9,7 @@ import pytest
 
 import duhem
 from duhem.law.formula_law import Criterion
-from duhem.projection.metric import Metric
+from duhem.projection.increment import Metric
 from duhem.projection.newton import _solved
 from duhem.projection.projector import _NearerSearch
 from duhem.projection.result import Projection, Residuals

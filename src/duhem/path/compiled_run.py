@@ -30,8 +30,7 @@ from duhem.path.step_formulas import FORMULAS, booked, written
 from duhem.projection import compiled, quadrants, quarter_ellipse
 from duhem.projection.compiled import kept_function, kernels
 from duhem.projection.compiled_newton import Loop
-from duhem.projection.declared_ranges import beyond
-from duhem.projection.increment import Convexity, Increment
+from duhem.projection.increment import Convexity, Increment, beyond
 from duhem.projection.newton_kernel import KINKS, LEFT, SLIP, solved
 from duhem.projection.newton_step import DATA, MATRICES, ROWS, D
 from duhem.projection.projector import Projector

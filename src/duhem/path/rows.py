@@ -24,7 +24,7 @@ from duhem.path.loading import Knot, Which
 from duhem.path.run import Plan, Share, energy, times
 from duhem.path.step_formulas import balance, on_numbers
 from duhem.projection import quadrants
-from duhem.projection.declared_ranges import beyond
+from duhem.projection.increment import beyond
 from duhem.projection.one_increment import OneIncrement
 from duhem.projection.projector import Projector
 from duhem.projection.result import Array, Status

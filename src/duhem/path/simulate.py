@@ -27,8 +27,7 @@ from duhem.path.rows import Ledger, States, Step
 from duhem.path.run import MOST_THREADS, Batch, Plan, Run, Share, columns, stress_at_start, times
 from duhem.path.state_path import StateHistory, state_history
 from duhem.path.step_formulas import booked
-from duhem.projection.declared_ranges import beyond, crossed
-from duhem.projection.increment import posed, setting
+from duhem.projection.increment import beyond, crossed, posed, setting
 from duhem.projection.result import Array, Status
 
 __all__ = ["MOST_KEPT", "check_compiled", "driven", "first_stress", "parts", "simulate"]

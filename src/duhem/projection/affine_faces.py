@@ -19,8 +19,7 @@ from numpy.typing import NDArray
 
 from duhem.expression.numpy_ import Program, compiled
 from duhem.expression.vocabulary import Neg, Pos
-from duhem.projection.increment import Increment
-from duhem.projection.metric import ROUNDING
+from duhem.projection.increment import ROUNDING, Increment
 from duhem.projection.result import Array
 from duhem.projection.row_by_row import products, times
 

@@ -16,8 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from duhem.projection.extended_precision import CloseLook, close_look
-from duhem.projection.increment import Increment
-from duhem.projection.metric import ROUNDING, Metric
+from duhem.projection.increment import ROUNDING, Increment, Metric
 from duhem.projection.normal_cones import beside
 from duhem.projection.result import ACCURACY, Array, Residuals, Solution
 from duhem.projection.row_by_row import length, times, widest

@@ -25,9 +25,8 @@ from duhem.projection.ball_newton import closest
 from duhem.projection.extended_precision import close_look
 from duhem.projection.implicit_tangent import tangent
 from duhem.projection.in_blocks import FEW_SEARCHED
-from duhem.projection.increment import Increment
+from duhem.projection.increment import Increment, too_far_apart
 from duhem.projection.method import ClosestPoint, Compiling, Method, Options
-from duhem.projection.metric import too_far_apart
 from duhem.projection.outer_approximation import HalfSpaces
 from duhem.projection.result import Array, Pointwise, Solution
 from duhem.projection.row_by_row import times

@@ -27,12 +27,10 @@ from duhem.expression.vocabulary import EigMax, symbol
 from duhem.law.catalogue import load_formula
 from duhem.law.formula_law import Criterion
 from duhem.projection.ball_newton import put_right
-from duhem.projection.declared_ranges import beyond
 from duhem.projection.in_blocks import BLOCK, FEW, FEW_SEARCHED, in_blocks
-from duhem.projection.increment import Increment, posed, setting, stiffness_matrix
+from duhem.projection.increment import ROUNDING, Increment, Metric, beyond, posed, setting, stiffness_matrix
 from duhem.projection.method import Compiling, Method, Options
 from duhem.projection.methods import METHODS
-from duhem.projection.metric import ROUNDING, Metric
 from duhem.projection.residuals import Judge, Told, residuals
 from duhem.projection.result import ACCURACY, Array, Judged, Projection, Residuals, Solution, Status
 from duhem.projection.row_by_row import any_of, dot, length, products, times, unit, widest

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from duhem.law.formula_law import Criterion
-from duhem.projection.declared_ranges import crossed
+from duhem.projection.increment import crossed
 from duhem.projection.result import Array, Projection, Status
 from duhem.show.page import PAGE, Page
 from duhem.show.printing import Sheet, plain, sheet

@@ -32,7 +32,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from duhem.errors import words_of
-from duhem.projection.metric import factors
+from duhem.projection.increment import factors
 from duhem.projection.result import Array
 from duhem.testing.drawn.case import Case
 from duhem.testing.drawn.region import Region

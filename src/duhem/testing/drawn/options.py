@@ -14,8 +14,7 @@ from numpy.typing import ArrayLike
 from duhem.errors import InputError
 from duhem.expression.given_array import reals
 from duhem.law.formula_law import Criterion
-from duhem.projection.declared_ranges import refused
-from duhem.projection.metric import factors
+from duhem.projection.increment import factors, refused
 from duhem.projection.result import Array
 from duhem.testing.drawn.values import Strategy
 

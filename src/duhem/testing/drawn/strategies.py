@@ -20,7 +20,7 @@ from duhem.errors import words_of
 from duhem.expression.rays import Rays
 from duhem.law.catalogue import load, load_formula
 from duhem.law.formula_law import Criterion
-from duhem.projection.metric import factors
+from duhem.projection.increment import factors
 from duhem.projection.result import Array
 from duhem.testing.drawn.case import Case
 from duhem.testing.drawn.options import stiffness_matrix
