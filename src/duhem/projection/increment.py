@@ -26,24 +26,9 @@ from duhem.law.state import frozen
 from duhem.projection.result import ACCURACY, Array
 
 __all__ = [
-    "ROUNDING",
-    "Convexity",
-    "Increment",
-    "Metric",
-    "at_doubles",
-    "beyond",
-    "check_associated",
-    "crossed",
-    "factors",
-    "increment",
-    "posed",
-    "refused",
-    "setting",
-    "stiffness_matrix",
-    "stiffness_of",
-    "too_far_apart",
-    "trial_rows",
-]
+    "ROUNDING", "Convexity", "Increment", "Metric", "at_doubles", "beyond", "check_associated", "crossed", "factors", "increment", "posed",
+    "refused", "setting", "stiffness_matrix", "stiffness_of", "too_far_apart", "trial_rows",
+]  # fmt: skip
 
 
 @dataclass(frozen=True)

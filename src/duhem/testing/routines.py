@@ -28,30 +28,10 @@ from duhem.law.registry import registered
 from duhem.projection.result import Array
 
 __all__ = [
-    "ELASTIC",
-    "FormerAnswers",
-    "Material",
-    "MaterialState",
-    "NoStep",
-    "Origin",
-    "Overwritten",
-    "Step",
-    "Unfinished",
-    "Update",
-    "advanced",
-    "called",
-    "changed",
-    "from_displacements",
-    "from_material",
-    "law_as_written",
-    "named",
-    "named_after",
-    "noticed",
-    "origin",
-    "overwritten",
-    "pointwise",
-    "stateless",
-]
+    "ELASTIC", "FormerAnswers", "Material", "MaterialState", "NoStep", "Origin", "Overwritten", "Step", "Unfinished", "Update", "advanced",
+    "called", "changed", "from_displacements", "from_material", "law_as_written", "named", "named_after", "noticed", "origin",
+    "overwritten", "pointwise", "stateless",
+]  # fmt: skip
 
 
 @dataclass(frozen=True)

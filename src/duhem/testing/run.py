@@ -23,9 +23,8 @@ from duhem.testing.checks.history import HistoryQuery
 from duhem.testing.checks.law_in_state import LawInState, Places
 from duhem.testing.checks.query import NoReply, NothingToCheck, Query, Raised, named_by
 from duhem.testing.checks.registry import Check, Visited, judged, registered
-from duhem.testing.drawn.case import Case
+from duhem.testing.drawn.case import Case, Region
 from duhem.testing.drawn.options import RunOptions, numbers
-from duhem.testing.drawn.region import Region
 from duhem.testing.drawn.strategies import cases, histories, pressures
 from duhem.testing.drawn.values import Strategy, admitted
 from duhem.testing.failures.diagnosis import IN_REGION, Regions, as_expected, by_cause, departure, diagnosed, instead, of_stress, region_of

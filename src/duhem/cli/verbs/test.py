@@ -207,7 +207,7 @@ def _material(subject: str, own: bool, of_umat: Mapping[str, Any], places: Mappi
 
 def _is_umat(subject: str) -> bool:
     """Whether it is a source or a library."""
-    from duhem.testing.foreign.abaqus import SOURCES
+    from duhem.testing.foreign.shared import SOURCES
 
     return subject.lower().endswith(SOURCES + _LIBRARIES)
 

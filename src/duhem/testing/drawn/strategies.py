@@ -22,9 +22,8 @@ from duhem.law.catalogue import load, load_formula
 from duhem.law.formula_law import Criterion
 from duhem.projection.increment import factors
 from duhem.projection.result import Array
-from duhem.testing.drawn.case import Case
+from duhem.testing.drawn.case import Case, Region
 from duhem.testing.drawn.options import stiffness_matrix
-from duhem.testing.drawn.region import Region
 from duhem.testing.drawn.values import MANTISSAS, Strategy, admitted, decades, scaled, table
 from duhem.testing.routines import ELASTIC, Material, Unfinished
 
