@@ -35,7 +35,7 @@ from duhem.proof.verification import Verification, verify, wanted_claims
 from duhem.show.page import Page
 from duhem.testing.conformance import check_expected, checks_asked, conformance
 from duhem.testing.drawn.case import Case
-from duhem.testing.drawn.options import RunOptions, check_share
+from duhem.testing.drawn.strategies import RunOptions, check_share
 from duhem.testing.failures.report import MET, PASSED, SKIPPED, UNMET, Report
 from duhem.testing.routines import Update
 from duhem.testing.snapshots import Entry, Project, SnapshotFile, differences, snapshot

@@ -221,7 +221,7 @@ def _is_routine(subject: str) -> bool:
 
 def _most_flagged(given: str | None, own: bool) -> float:
     """The share of increments that may be flagged; InputError for what is none, or where duhem's own methods are tested."""
-    from duhem.testing.drawn.options import check_share
+    from duhem.testing.drawn.strategies import check_share
 
     if given is not None and not own:
         remedy = "remove it: duhem's methods flag what they cannot solve"
@@ -243,7 +243,7 @@ def _routines(
     """What is tested, by the name it is shown under; of the methods of duhem that do not take a law, why they do not."""
     from duhem.law.catalogue import load_formula
     from duhem.testing.conformance import PROMISED, own_solvers
-    from duhem.testing.drawn.options import ACCURACY
+    from duhem.testing.drawn.strategies import ACCURACY
     from duhem.testing.run import ConformanceRun
 
     values = {name: float(value) for name, value in read_settings(settings).items()} if own else {}
