@@ -21,8 +21,7 @@ from numpy.typing import NDArray
 from duhem.expression.jets import Choices
 from duhem.expression.rays import crossing
 from duhem.projection.affine_faces import faces
-from duhem.projection.ball_newton import closest
-from duhem.projection.extended_precision import close_look
+from duhem.projection.extended_precision import close_look, closest
 from duhem.projection.implicit_tangent import tangent
 from duhem.projection.in_blocks import FEW_SEARCHED
 from duhem.projection.increment import Increment, too_far_apart

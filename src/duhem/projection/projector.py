@@ -26,7 +26,7 @@ from duhem.errors import InputError
 from duhem.expression.vocabulary import EigMax, symbol
 from duhem.law.catalogue import load_formula
 from duhem.law.formula_law import Criterion
-from duhem.projection.ball_newton import put_right
+from duhem.projection.extended_precision import put_right
 from duhem.projection.in_blocks import BLOCK, FEW, FEW_SEARCHED, in_blocks
 from duhem.projection.increment import ROUNDING, Increment, Metric, beyond, posed, setting, stiffness_matrix
 from duhem.projection.method import Compiling, Method, Options

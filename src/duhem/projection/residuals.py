@@ -23,8 +23,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from duhem.expression.vocabulary import EigMax
-from duhem.projection.ball_newton import LEAST_SLIP, SLIP_SHARE, ClosestInDigits, closest_beside, departures
-from duhem.projection.extended_precision import as_pairs, close_look, pushed_back
+from duhem.projection.extended_precision import (
+    LEAST_SLIP,
+    SLIP_SHARE,
+    ClosestInDigits,
+    as_pairs,
+    close_look,
+    closest_beside,
+    departures,
+    pushed_back,
+)
 from duhem.projection.in_blocks import BLOCK, in_blocks, keep_freed_memory
 from duhem.projection.increment import ROUNDING, Increment, Metric
 from duhem.projection.judge_kernel import LOW
