@@ -31,7 +31,7 @@ from duhem.law.parameter_domain import check_fixed
 from duhem.law.state import check_stateless
 from duhem.omitted import LeftOut
 from duhem.projection import conic_solvers
-from duhem.projection.affine_faces import planes
+from duhem.projection.half_spaces import planes
 from duhem.projection.in_blocks import cores
 from duhem.projection.increment import Increment, increment
 from duhem.projection.method import Method, Options

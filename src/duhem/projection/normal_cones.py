@@ -15,9 +15,9 @@ from duhem.errors import InputError
 from duhem.expression.scalar_jets import scalar_jets
 from duhem.expression.vocabulary import EigMax
 from duhem.projection import newton_step, slip_kernel
+from duhem.projection.half_spaces import HalfSpaces
 from duhem.projection.increment import ROUNDING, Metric
 from duhem.projection.module_text import module_text
-from duhem.projection.outer_approximation import HalfSpaces
 from duhem.projection.plain_numbers import FAULTS, interpreted, zeros
 from duhem.projection.result import Array, Pointwise
 from duhem.projection.row_by_row import dot, length, spanning, times, unit

@@ -21,8 +21,8 @@ from numpy.typing import NDArray
 
 from duhem.expression.jets import Choices, JetProgram, formula, program
 from duhem.expression.numpy_ import Program
+from duhem.projection.half_spaces import HalfSpaces
 from duhem.projection.increment import Increment
-from duhem.projection.outer_approximation import HalfSpaces
 from duhem.projection.result import Array, Solution
 from duhem.projection.row_by_row import length, times
 from duhem.projection.scaled_formula import ScaledFormula, grown, level_of, power_of_two, scaled
