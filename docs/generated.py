@@ -139,7 +139,7 @@ def _command(name: str, command: click.Command, whole: click.Context) -> str:
 
 def scene() -> str:
     """The keys of a scene by section, and those of each kind of path, from the table that the reader reads."""
-    from duhem.path.scene_keys import CHOICES, KIND_KEYS, KINDS, SECTIONS
+    from duhem.path.scene_file import CHOICES, KIND_KEYS, KINDS, SECTIONS
 
     def row(key: str, means: str) -> list[str]:
         words = ", ".join(f"`{word}`" for word in CHOICES.get(key, ()))

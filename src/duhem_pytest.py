@@ -63,14 +63,14 @@ def pytest_pycollect_makeitem(collector: pytest.Module | pytest.Class, name: str
     marks = [mark for mark in function.pytestmark if mark.name == "duhem"]  # type: ignore[attr-defined]
     if not marks or "duhem_check" in function.__code__.co_varnames[: function.__code__.co_argcount]:
         return None
-    from duhem.testing.in_pytest.marked_routines import check_items
+    from duhem.testing.in_pytest import check_items
 
     return check_items(collector, name, function, marks)
 
 
 def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
     if "duhem_check" in metafunc.fixturenames:
-        from duhem.testing.in_pytest.marked_routines import names_of_checks
+        from duhem.testing.in_pytest import names_of_checks
 
         metafunc.parametrize("duhem_check", names_of_checks(metafunc.definition), indirect=True)
 
@@ -80,7 +80,7 @@ def pytest_collect_file(file_path: Path, parent: pytest.Collector) -> pytest.Col
         return None
     if not file_path.match("*.duhem.toml") and not any(file_path.match(pattern) for pattern in parent.config.getini("duhem_files")):
         return None
-    from duhem.testing.in_pytest.collected_files import TomlTests
+    from duhem.testing.in_pytest import TomlTests
 
     return TomlTests.from_parent(parent, path=file_path, looked_into=_looked_into)
 
@@ -88,7 +88,7 @@ def pytest_collect_file(file_path: Path, parent: pytest.Collector) -> pytest.Col
 @pytest.fixture
 def duhem_check(request: pytest.FixtureRequest) -> Callable[..., Report]:
     """``duhem_check(update)`` puts a routine to the checks of the marker ``duhem``, one a node; it returns the report of all."""
-    from duhem.testing.in_pytest.marked_routines import checked
+    from duhem.testing.in_pytest import checked
 
     return checked(request)
 
@@ -101,7 +101,7 @@ def duhem_snapshot(request: pytest.FixtureRequest) -> Callable[..., Entry]:
     ``--duhem-update`` writes it.
     """
     from duhem.api.increments import project
-    from duhem.testing.in_pytest.snapshot_fixture import compared
+    from duhem.testing.in_pytest import compared
 
     return compared(request, project)
 

@@ -21,7 +21,7 @@ from duhem.expression import WORDS
 from duhem.law import catalogue
 from duhem.law.atlas.entry import entries
 from duhem.path import scene_file
-from duhem.path.scene_keys import CHOICES, KIND_KEYS, KINDS, SECTIONS, template
+from duhem.path.scene_file import CHOICES, KIND_KEYS, KINDS, SECTIONS, template
 from duhem.screening import file as campaign_file
 from tests.long import mostly_long
 from tests.pages import ROOT, agrees, broken_links, in_order, run_page

@@ -20,7 +20,7 @@ from duhem.errors import InputError
 from duhem.expression.numpy_ import compiled
 from duhem.law.formula_law import Criterion
 from duhem.projection import conic_solvers
-from duhem.projection.affine_faces import planes
+from duhem.projection.half_spaces import planes
 from duhem.projection.increment import Increment
 from duhem.projection.projector import Projector
 from duhem.projection.result import ACCURACY, Status

@@ -42,7 +42,7 @@ import sympy as sp
 import duhem
 from duhem.errors import DuhemError
 from duhem.export.routine import routine
-from duhem.export.source_files import c_file, fortran_file, identifier, places, state_c_file, state_fortran_file
+from duhem.export.source_files import c_file, fortran_file, identifier, places
 from duhem.export.state_routine import state_routine
 from duhem.law import catalogue
 from duhem.law.atlas.entry import entries
@@ -205,7 +205,7 @@ def state_agreement(name: str, points: int) -> tuple[str, bool]:
     values = {n: float(x.value) for n, x in at_simplest(name).parameters.items() if x.value is not None and n not in law.variables}
     try:
         done = verify(law, claims=["convexity"])
-        texts, made = (state_c_file(done), state_fortran_file(done)), state_routine(law)
+        texts, made = (c_file(done), fortran_file(done)), state_routine(law)
     except DuhemError as reason:
         return f"no UMAT: {str(reason).partition(';')[0]}", False
     own, names, steps = StateLaw.of(law, None), prescribed(law), 20

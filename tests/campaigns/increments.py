@@ -36,7 +36,7 @@ from duhem.law.formula_law import Criterion
 from duhem.path.integrators import INTEGRATORS
 from duhem.projection.result import Array, Projection, Status
 from duhem.testing import checks_for, conformance, parameters, projection
-from duhem.testing.drawn.region import Region
+from duhem.testing.drawn.case import Region
 
 __all__ = ["Row", "at_simplest", "left_out", "measured", "trials"]
 

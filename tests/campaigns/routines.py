@@ -40,8 +40,7 @@ from duhem.testing import Case, Report, Update, cases, conformance, projection
 from duhem.testing.drawn.strategies import histories
 from duhem.testing.drawn.values import Strategy, decades
 from duhem.testing.foreign import shared_library
-from duhem.testing.routines.material import Material, stateless
-from duhem.testing.routines.routine import Unfinished
+from duhem.testing.routines import Material, Unfinished, stateless
 from tests.campaigns.foreign import right
 from tests.oracles.mutant_routines import MUTANTS, Mutant
 from tests.testing.examples import BUGS, EXAMPLES, written

@@ -19,7 +19,7 @@ from duhem.errors import DuhemError, InputError
 ROUTINES = """
 import numpy as np
 from duhem.testing import Step
-from duhem.testing.routines.routine import Unfinished
+from duhem.testing.routines import Unfinished
 
 def right(trial, pressure, stiffness, mu):
     size, limit = np.hypot(*trial.T), -mu * pressure

@@ -12,8 +12,7 @@ import duhem
 from duhem import Criterion
 from duhem.export.routine import routine
 from duhem.law.shapes import Disk, Quadrants
-from duhem.projection.ball_newton import closest
-from duhem.projection.extended_precision import close_look
+from duhem.projection.extended_precision import close_look, closest
 from duhem.projection.increment import posed, setting
 from duhem.projection.result import Array
 from tests.export.shared_library import OPTIMISED, compiled

@@ -12,7 +12,7 @@ import pytest
 
 import duhem
 from duhem import Criterion, InputError
-from duhem.export.source_files import identifier, state_c_file, state_fortran_file
+from duhem.export.source_files import c_file, fortran_file, identifier
 from duhem.export.state_routine import state_routine
 from duhem.law.catalogue import load_formula
 from duhem.law.state import Variable, prescribed
@@ -44,7 +44,7 @@ OWN = {
 
 def library(law: Criterion, folder: Path, name: str) -> Any:
     source = folder / f"{identifier(name)}.c"
-    source.write_text(state_c_file(verify(law, claims=["convexity"])), encoding="utf-8")
+    source.write_text(c_file(verify(law, claims=["convexity"])), encoding="utf-8")
     return getattr(shared([source], *OPTIMISED, with_=compiler("CC", "gcc", "cc")), f"{identifier(law.name)}_step")
 
 
@@ -101,7 +101,7 @@ def at(array: Array) -> ctypes.c_void_p:
 def test_umat_keeps_the_state(tmp_path: Path) -> None:
     law = OWN["warm"]
     verification = verify(law, claims=["convexity"])
-    compiled = with_fortran(tmp_path, state_c_file(verification), state_fortran_file(verification))
+    compiled = with_fortran(tmp_path, c_file(verification), fortran_file(verification))
     rng = np.random.default_rng(2)
     values = np.concatenate([np.zeros((1, 2)), 0.03 * rng.normal(size=(8, 2))])
     heat = 2.0 + rng.uniform(size=9)
@@ -127,10 +127,10 @@ def test_umat_keeps_the_state(tmp_path: Path) -> None:
 
 def test_no_line_of_the_umat_is_too_long_for_fortran() -> None:
     law = replace(OWN["creeping"], name="a" * 60)
-    text = state_fortran_file(verify(law, claims=["convexity"]))
+    text = fortran_file(verify(law, claims=["convexity"]))
     assert max(len(line) for line in text.splitlines() if line[:1] != "!") <= 132 and "nstatv < 2" in text and "nprops < 2" in text
     with pytest.raises(InputError, match="FRIC does not give the displacement"):
-        state_fortran_file(verify("slip-hardening", claims=["convexity"]))
+        fortran_file(verify("slip-hardening", claims=["convexity"]))
 
 
 @pytest.mark.parametrize(
@@ -145,4 +145,4 @@ def test_no_line_of_the_umat_is_too_long_for_fortran() -> None:
 def test_what_has_no_routine_is_refused(law: Criterion, what: str) -> None:
     with pytest.raises(InputError, match=what):
         state_routine(law)
-        state_c_file(verify(law, claims=["convexity"]))
+        c_file(verify(law, claims=["convexity"]))

@@ -14,9 +14,9 @@ import duhem
 from duhem.benchmark.reference import Closest, NoReference
 from duhem.law.formula_law import Criterion
 from duhem.projection import newton
-from duhem.projection.affine_faces import Faces, planes
-from duhem.projection.ball_newton import closest_beside
 from duhem.projection.compiled_newton import solved_one_by_one
+from duhem.projection.extended_precision import closest_beside
+from duhem.projection.half_spaces import Faces, planes
 from duhem.projection.increment import Increment, increment
 from duhem.projection.projector import Projector
 from duhem.projection.result import ACCURACY, Array, Solution, Status

@@ -9,12 +9,12 @@ import pytest
 
 import duhem
 from duhem.law.formula_law import Criterion
-from duhem.projection.metric import Metric
+from duhem.projection.increment import Metric
 from duhem.projection.newton import _solved
 from duhem.projection.projector import _NearerSearch
 from duhem.projection.result import Projection, Residuals
 from duhem.projection.row_by_row import any_of, times
-from duhem.projection.scaled_yield_function import level
+from duhem.projection.scaled_formula import level
 from tests.campaigns.number_families import BUILT_IN, beyond
 from tests.long import mostly_long
 

@@ -11,9 +11,8 @@ import pytest
 
 import duhem
 from duhem.law.formula_law import Criterion
-from duhem.projection import ball_newton, closed_form, newton
-from duhem.projection.ball_newton import closest
-from duhem.projection.extended_precision import close_look
+from duhem.projection import closed_form, extended_precision, newton
+from duhem.projection.extended_precision import close_look, closest
 from duhem.projection.increment import increment
 from duhem.projection.residuals import Judge, residuals
 from duhem.projection.result import ACCURACY, Residuals, Solution, Status
@@ -81,7 +80,7 @@ def test_what_the_judge_looked_for_is_not_looked_for_again(monkeypatch: pytest.M
     found = residuals(question, wrong)
     _, seen = Judge.of(question, wrong, True).look(wrong, Residuals(*(np.zeros(2) for _ in range(5))))
     assert list(seen) == [1] and seen[1] is not None
-    put_right, judged = ball_newton.put_right(question, wrong, found, residuals, seen)
+    put_right, judged = extended_precision.put_right(question, wrong, found, residuals, seen)
     assert (judged.worst() <= ACCURACY).all()
     assert put_right.stress == pytest.approx(np.array([[0.5, 0.0], [1.0, 1.0]]), rel=1e-12)
     starts = list[Any]()
@@ -89,10 +88,10 @@ def test_what_the_judge_looked_for_is_not_looked_for_again(monkeypatch: pytest.M
     def again(_: object, __: object, ___: object, ____: object, start: Any, *_____: object, **______: object) -> None:
         starts.append(start)
 
-    monkeypatch.setattr(ball_newton, "closest", again)
-    ball_newton.put_right(question, wrong, found, residuals, seen)
+    monkeypatch.setattr(extended_precision, "closest", again)
+    extended_precision.put_right(question, wrong, found, residuals, seen)
     assert not any(np.array_equal(start, stress[1]) for start in starts)
-    ball_newton.put_right(question, wrong, found, residuals, {1: None})
+    extended_precision.put_right(question, wrong, found, residuals, {1: None})
     assert np.array_equal(starts[-1], stress[1])
 
 
@@ -101,7 +100,7 @@ def test_what_is_plainly_wrong_is_refused_without_many_digits(how: Any, monkeypa
     def looked(*_: object, **__: object) -> None:
         raise AssertionError("looked for")
 
-    monkeypatch.setattr(ball_newton, "closest", looked)
+    monkeypatch.setattr(extended_precision, "closest", looked)
     question = increment(duhem.load("superellipse"), [[2.0, 1.0], [-0.5, 0.6]], -1.0, 1.0, {"mu_a": 0.3, "mu_b": 0.1, "p": 4})
     right = newton.solve(question)
     stress = right.stress * (1.0 + how) if how != "turned" else right.stress[::-1] * [-1.0, 1.0]

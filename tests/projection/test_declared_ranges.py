@@ -13,7 +13,7 @@ import duhem
 from duhem import Criterion, Domain, Path, Status
 from duhem.errors import InputError
 from duhem.path.history import LeftDomain
-from duhem.projection.declared_ranges import beyond, crossed, refused
+from duhem.projection.increment import beyond, crossed, refused
 from duhem.testing import conformance, projection
 
 HALF = {"mu": Domain.fixed("1/2")}

@@ -20,14 +20,12 @@ from duhem.expression import mpmath_, numpy_
 from duhem.expression.scalar_jets import scalar_jets
 from duhem.projection import compiled_newton, newton
 from duhem.projection.in_blocks import FEW_SEARCHED
-from duhem.projection.increment import Increment, posed, setting
-from duhem.projection.metric import Metric
+from duhem.projection.increment import Increment, Metric, posed, setting
 from duhem.projection.newton_kernel import LEFT, SLIP
 from duhem.projection.normal_cones import Suspect, off_edge
 from duhem.projection.projector import Projector
 from duhem.projection.result import Solution, Status
-from duhem.projection.scaled_formula import scaled
-from duhem.projection.scaled_yield_function import level
+from duhem.projection.scaled_formula import level, scaled
 from duhem.projection.whitened_body import whitening
 from tests.expression.text_as_functions import named
 from tests.projection.loop_as_text import as_text

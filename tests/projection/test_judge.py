@@ -14,11 +14,10 @@ import duhem
 from duhem.errors import InputError
 from duhem.law.formula_law import Criterion
 from duhem.projection import closed_form, newton
-from duhem.projection.increment import Increment
+from duhem.projection.increment import Increment, factors
 from duhem.projection.increment import increment as checked
 from duhem.projection.method import Options
 from duhem.projection.methods import METHODS
-from duhem.projection.metric import factors
 from duhem.projection.residuals import residuals
 from duhem.projection.result import ACCURACY, Solution, Status
 from tests.long import long_at, long_but, mostly_long

@@ -15,7 +15,7 @@ from duhem.projection.code_cache import compiled_text, interpreted_text
 from duhem.projection.increment import setting
 from duhem.projection.llvm_loops import lowered
 from duhem.projection.llvm_values import NotLowered
-from duhem.projection.scaled_yield_function import level_of
+from duhem.projection.scaled_formula import level_of
 
 WORDS = """
 import numpy as np

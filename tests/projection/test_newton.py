@@ -11,7 +11,7 @@ import pytest
 import duhem
 from duhem.law.formula_law import Criterion
 from duhem.projection import newton
-from duhem.projection.outer_approximation import HalfSpaces
+from duhem.projection.half_spaces import HalfSpaces
 from duhem.projection.result import Status
 from duhem.projection.whitened_body import lineality
 from tests.campaigns.yield_surfaces import YIELD, campaign

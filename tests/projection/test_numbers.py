@@ -14,7 +14,7 @@ from duhem.projection.extended_precision import as_pairs, close_look, pushed_bac
 from duhem.projection.increment import increment
 from duhem.projection.residuals import residuals
 from duhem.projection.result import ACCURACY, Solution, Status
-from duhem.projection.scaled_yield_function import level
+from duhem.projection.scaled_formula import level
 from tests.campaigns.number_families import FAMILIES, Question, aspects, disk, mp
 from tests.campaigns.numbers import Count, tally
 from tests.long import mostly_long

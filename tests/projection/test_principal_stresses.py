@@ -9,7 +9,8 @@ import pytest
 from mpmath import MPContext
 
 import duhem
-from duhem.projection.increment import increment, principal
+from duhem.projection.increment import increment
+from duhem.projection.projector import principal
 from duhem.projection.result import Status
 
 mp = MPContext()

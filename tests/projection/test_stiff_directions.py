@@ -12,9 +12,8 @@ from numpy.typing import NDArray
 
 import duhem
 from duhem.law.formula_law import Criterion
-from duhem.projection.ball_newton import closest
 from duhem.projection.compiled_newton import solved_one_by_one
-from duhem.projection.extended_precision import close_look
+from duhem.projection.extended_precision import close_look, closest
 from duhem.projection.increment import Increment, increment
 from duhem.projection.newton import search, solve
 from duhem.projection.result import Solution

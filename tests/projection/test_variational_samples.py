@@ -8,10 +8,9 @@ import numpy as np
 import pytest
 
 from duhem.law.formula_law import Criterion
-from duhem.projection.increment import increment
-from duhem.projection.metric import Metric
+from duhem.projection.increment import Metric, increment
 from duhem.projection.projector import Projector
-from duhem.projection.scaled_yield_function import Level, level
+from duhem.projection.scaled_formula import Level, level
 from duhem.projection.variational_samples import Variational, beyond_tangents, tips
 
 

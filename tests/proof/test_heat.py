@@ -15,8 +15,7 @@ from duhem.law.state import Variable
 from duhem.proof.certificate import law_as_text
 from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.kernel.term import NotWritten
-from duhem.screening.campaign import Campaign, Claimed, asked
-from duhem.screening.rows import Given, LawName
+from duhem.screening.campaign import Campaign, Claimed, Given, LawName, asked
 from tests.proof.laws_with_state import misread, refused
 
 BRAKE = """\

@@ -13,8 +13,7 @@ from duhem import InputError, screening
 from duhem.benchmark.extreme_cases import StressCases
 from duhem.cli import cli
 from duhem.screening import file, pool
-from duhem.screening.campaign import Campaign, asked
-from duhem.screening.rows import Grid, LawName
+from duhem.screening.campaign import Campaign, Grid, LawName, asked
 from duhem.show.printing import text
 from duhem.testing import RoutineChecks
 from duhem.testing.conformance import _bound

@@ -15,8 +15,7 @@ import pytest
 import duhem
 from duhem import InputError, MissingExtraError
 from duhem.screening import pool
-from duhem.screening.campaign import Campaign
-from duhem.screening.rows import Grid, LawName
+from duhem.screening.campaign import Campaign, Grid, LawName
 from tests.screening.poison import Poison
 
 MU = Grid(LawName("coulomb"), (("mu", tuple(map(str, range(1, 13)))),))

@@ -8,8 +8,7 @@ import pytest
 import duhem
 from duhem import InputError
 from duhem.screening import Increments, Trials, file
-from duhem.screening.campaign import Campaign, Claimed, asked
-from duhem.screening.rows import given
+from duhem.screening.campaign import Campaign, Claimed, asked, given
 
 HEAD = '[campaign]\nask = "increments"\n'
 ROWS = '[[rows]]\nlaw = "coulomb"\ngrid = { mu = [0.5, 2] }\n[[rows]]\nlaws = ["coulomb"]\n'

@@ -2,14 +2,14 @@
 
 import json
 from fractions import Fraction
+from importlib import import_module
 
 import pytest
 
 import duhem
 from duhem import InputError
 from duhem.screening import file
-from duhem.screening.campaign import asked
-from duhem.screening.rows import given
+from duhem.screening.campaign import asked, given
 
 HEAD = '[campaign]\nclaims = ["origin", "convexity"]\n'
 LIMACON = '[[rows]]\nlaw = "limacon"\n'
@@ -41,7 +41,7 @@ def test_blocks_follow_each_other_and_globs_are_sorted(tmp_path):
 
 @pytest.mark.slow
 def test_a_draw_keeps_the_constraints_and_each_point_comes_from_its_number(tmp_path, monkeypatch):
-    monkeypatch.setattr("duhem.screening.rows._TRIES", 30)
+    monkeypatch.setattr(import_module("duhem.screening.campaign"), "_TRIES", 30)
     text = '[[rows]]\nlaw = "law.toml"\ndraw = { n = 10, seed = 3, mu = [0, 2] }\n'
     law = '[criterion]\nname = "o"\nforces = ["x"]\npressure = false\ng = "abs(x) - mu"\nconstraints = ["mu < e"]\n[parameters]\n'
     (tmp_path / "law.toml").write_text(f"{law}mu = {{ positive = true }}\ne = {{ min = 0, max = 1 }}\n")

@@ -13,8 +13,7 @@ from duhem.law.formula_law import Criterion
 from duhem.testing import Report, conformance
 from duhem.testing.checks.law_checks import Dents
 from duhem.testing.checks.query import Query
-from duhem.testing.drawn.case import Case
-from duhem.testing.drawn.region import Region
+from duhem.testing.drawn.case import Case, Region
 from tests.long import long_but, mostly_long
 from tests.testing.test_atlas_increments import ENTRIES, text_of
 from tests.testing.test_properties import ALWAYS, AT_VALUES

@@ -11,7 +11,7 @@ import pytest
 import duhem
 from duhem.testing import Case, Step, conformance, from_displacements
 from duhem.testing.checks.query import Query
-from duhem.testing.drawn.region import Region
+from duhem.testing.drawn.case import Region
 from duhem.testing.failures.diagnosis import Part, _suggestions, departure, diagnoses
 from tests.long import long_but, mostly_long
 from tests.oracles.round_numbers import unrounded

@@ -16,10 +16,9 @@ from duhem import Criterion, Domain
 from duhem.errors import InputError
 from duhem.testing import Material, MaterialState, conformance, decades, from_material, violation
 from duhem.testing.foreign import jax_routine, mgis_material, shared_library, shared_material, umat
-from duhem.testing.foreign.abaqus import rotation
 from duhem.testing.foreign.native import NativeFault
-from duhem.testing.foreign.shared import Prototype
-from duhem.testing.routines.routine import Unfinished
+from duhem.testing.foreign.shared import Prototype, rotation
+from duhem.testing.routines import Unfinished
 from tests.export.shared_library import compiler
 from tests.long import mostly_long
 from tests.testing.examples import MISES, STEEL, elastic, friction, interface, library, mises, written

@@ -19,7 +19,7 @@ from hypothesis.strategies import sampled_from
 from duhem.errors import InputError
 from duhem.testing import Report, conformance, decades
 from duhem.testing.foreign import jax_routine, mgis_material, shared_library, umat
-from duhem.testing.foreign.abaqus import built
+from duhem.testing.foreign.shared import built
 from tests.export.shared_library import compiler
 from tests.long import mostly_long
 from tests.testing.examples import elastic

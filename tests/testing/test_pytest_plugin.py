@@ -16,11 +16,11 @@ import pytest
 import duhem_pytest
 from duhem.api import histories, increments
 from duhem.cli.verbs.test import test as command
-from duhem.testing.in_pytest import collected_files, marked_routines, snapshot_fixture  # what a run imports and would forget at its end
-from duhem.testing.in_pytest.marked_routines import PROFILES
+from duhem.testing import in_pytest  # what a run imports and would forget at its end
+from duhem.testing.in_pytest import PROFILES
 
 pytest_plugins = ["pytester"]
-IMPORTED = (duhem_pytest, marked_routines, collected_files, snapshot_fixture, histories, increments)
+IMPORTED = (duhem_pytest, in_pytest, histories, increments)
 
 HEAD = """\
 import numpy as np
@@ -121,7 +121,7 @@ def test_a_routine_that_does_not_come_back_fails_and_stops_no_other_test(pyteste
     pytester.makepyfile(
         test_friction=HEAD
         + """
-from duhem.testing.routines.routine import Unfinished
+from duhem.testing.routines import Unfinished
 
 @pytest.mark.duhem(law=None, checks=["dissipation", "vacuity"], pressure=-1.0, stiffness=np.eye(2), max_examples=2, rows=5)
 def endless(trial, pressure, stiffness):
@@ -397,7 +397,7 @@ def test_an_undecided_claim_fails_or_is_expected_to(pytester: pytest.Pytester, m
         done = verify(*given, **more)
         return replace(done, results=tuple(replace(r, verdict=Verdict.UNDECIDED, trust=None, detail="nobody knows") for r in done.results))
 
-    monkeypatch.setattr(collected_files, "verify", undecided)
+    monkeypatch.setattr(in_pytest, "verify", undecided)
     written(pytester, {"oval.duhem": LIMACON})
     asked = ("--duhem-claims", "origin")
     tried(pytester, *asked).assert_outcomes(failed=1)

@@ -13,7 +13,7 @@ import duhem
 from duhem.law.formula_law import Criterion
 from duhem.testing import Case, conformance
 from duhem.testing.checks.query import Query
-from duhem.testing.drawn.region import Region
+from duhem.testing.drawn.case import Region
 from duhem.testing.failures.diagnosis import region_of
 from tests.long import mostly_long
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 import duhem
-from duhem.testing.drawn.region import Region
+from duhem.testing.drawn.case import Region
 from duhem.testing.drawn.strategies import TURNS, turned
 from tests.oracles.routines import MU
 

@@ -17,7 +17,7 @@ from duhem.testing import (
     stiffnesses,
     trials,
 )
-from duhem.testing.drawn.region import Region
+from duhem.testing.drawn.case import Region
 from tests.long import mostly_long
 from tests.oracles.routines import (
     DISK,

@@ -13,7 +13,7 @@ from duhem.errors import InputError
 from duhem.testing import MaterialState, Report, conformance
 from duhem.testing.failures.report import as_junit, as_sheet
 from duhem.testing.foreign import umat
-from duhem.testing.routines.routine import Unfinished
+from duhem.testing.routines import Unfinished
 from tests.export.shared_library import compiler
 from tests.long import mostly_long
 

@@ -8,7 +8,7 @@ import pytest
 from duhem import Criterion
 from duhem.testing import Step, Update, conformance, violation
 from duhem.testing.conformance import check
-from duhem.testing.drawn.region import Region
+from duhem.testing.drawn.case import Region
 from duhem.testing.run import ConformanceRun
 from tests.long import mostly_long
 from tests.testing.test_multipliers import at, refused

@@ -16,9 +16,9 @@ from duhem.testing import Case, Failure, Report, Step, check, conformance, point
 from duhem.testing.checks.query import NothingToCheck, Query
 from duhem.testing.checks.registry import Visited, judged, registered, worst
 from duhem.testing.conformance import every_check
-from duhem.testing.drawn.region import Region
+from duhem.testing.drawn.case import Region
 from duhem.testing.failures.diagnosis import CAUSES, FREE_CAUSES, by_cause
-from duhem.testing.routines.routine import Unfinished
+from duhem.testing.routines import Unfinished
 from duhem.testing.run import ConformanceRun
 from tests.long import long_but, mostly_long
 from tests.oracles.routines import DISK, ELLIPSE, Array, ellipse, nothing, over_projection, with_extras

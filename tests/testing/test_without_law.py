@@ -24,7 +24,7 @@ from duhem.testing import (
 )
 from duhem.testing.checks.history import HistoryQuery
 from duhem.testing.checks.registry import judged, registered
-from duhem.testing.routines.routine import Unfinished
+from duhem.testing.routines import Unfinished
 from tests.long import long_but, mostly_long
 from tests.oracles.routines import Array
 from tests.testing.examples import BUGS, EXAMPLES, friction, interface

@@ -23,9 +23,8 @@ from duhem.expression.dimensions import degree
 from duhem.expression.numpy_ import evaluate
 from duhem.law.catalogue import load_formula
 from duhem.law.formula_law import Criterion
-from duhem.projection.increment import posed, stiffness_matrix, trial_rows
+from duhem.projection.increment import Metric, posed, stiffness_matrix, trial_rows
 from duhem.projection.method import Method
-from duhem.projection.metric import Metric
 from duhem.projection.result import ACCURACY, Array, Pointwise, Status
 
 __all__ = ["Contact", "contact"]

@@ -31,15 +31,14 @@ from duhem.law.parameter_domain import check_fixed
 from duhem.law.state import check_stateless
 from duhem.omitted import LeftOut
 from duhem.projection import conic_solvers
-from duhem.projection.affine_faces import planes
+from duhem.projection.half_spaces import planes
 from duhem.projection.in_blocks import cores
 from duhem.projection.increment import Increment, increment
 from duhem.projection.method import Method, Options
 from duhem.projection.methods import METHODS
 from duhem.projection.projector import Projector
 from duhem.projection.result import Array, Projection, Solution
-from duhem.projection.scaled_formula import power_of_two
-from duhem.projection.scaled_yield_function import level_of
+from duhem.projection.scaled_formula import level_of, power_of_two
 
 __all__ = ["JAXMAT", "PEERS", "SLSQP", "Contender", "Peer", "PeerOptions", "Specimen", "applicable"]
 

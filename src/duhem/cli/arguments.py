@@ -144,7 +144,7 @@ def read_attribute(text: str) -> object:
 
 def read_routine(text: str) -> Any:
     """The routine ``module:callable``, or the material of that name; InputError for anything else."""
-    from duhem.testing.routines.material import Material
+    from duhem.testing.routines import Material
 
     found = read_attribute(text)
     if not callable(found) and not isinstance(found, Material):

@@ -22,7 +22,7 @@ from duhem.proof.verification import Verification
 from duhem.show.page import PAGE
 from duhem.version import __version__
 
-__all__ = ["c_file", "fortran_file", "identifier", "places", "state_c_file", "state_fortran_file"]
+__all__ = ["c_file", "c_functions_of", "fortran_file", "identifier", "places"]
 
 # -- the head: the law, its arguments, what was proved of it, and the limits of the routine ----------------------------
 
@@ -37,21 +37,21 @@ def identifier(law: str) -> str:
 
 def _header(verification: Verification, law: Criterion, parameters: Sequence[str]) -> list[str]:
     """Lines as wide as a page, none of which can end a comment; ``parameters`` are those that are arguments."""
-    d = len(law.forces)
-    arrays = f"trial[{d}], stress[{d}] and slip[{d}] in the order of the forces; {_STIFFNESS.format(n=d * d)}"
-    return _described(verification, law, parameters, _INCREMENT, arrays, _STATUS, _LIMITS)
-
-
-def _described(
-    verification: Verification,
-    law: Criterion,
-    parameters: Sequence[str],
-    what: str,
-    arrays: str,
-    status: Sequence[str],
-    limits: Sequence[str],
-) -> list[str]:
-    """The same of any routine, of which the texts are said."""
+    if law.variables:
+        own = state_law(law)
+        seen, inner = own.names[: own.observables], own.names[own.observables : own.observables + own.internal]
+        arrays = (
+            f"before[{len(seen)}] and after[{len(seen)}]: {', '.join(seen)}; stress[{len(seen)}]: {', '.join(prescribed(law))}; "
+            f"state[{len(inner)}]: {', '.join(inner)}; tangent[{len(seen) ** 2}] row by row"
+        )
+        what, status, limits = _STEP, _STEP_STATUS, _STEP_LIMITS
+    else:
+        d = len(law.forces)
+        arrays = (
+            f"trial[{d}], stress[{d}] and slip[{d}] in the order of the forces; stiffness[{d * d}] symmetric positive definite, "
+            f"tangent[{d * d}] symmetric, both row by row"
+        )
+        what, status, limits = _INCREMENT, _STATUS, _LIMITS
     fixed = [f"{name} {domain.describe()}" for name, domain in law.parameters.items() if domain.value is not None]
     places = [f"parameters[{i}] is {law.parameters[name].stated(name)}" for i, name in enumerate(parameters)]
     set_ = f"Phi* = {formula(law.g)}" if law.viscous else f"K = {{{formula(law.g)} <= 0}}"
@@ -89,8 +89,7 @@ _INCREMENT = (
     "slip, with the stiffness k, the displacement u and the slip u_in.  stress is the point of K that is closest to trial, where k^-1 "
     "measures the distance.  slip = k^-1 (trial - stress) is the increment of u_in, dissipation = stress . slip, tangent = d stress/d u."
 )
-_STIFFNESS = "stiffness[{n}] symmetric positive definite, tangent[{n}] symmetric, both row by row"
-_STATUS = (
+_STATUS: tuple[str, ...] = (
     "0  stick: stress = trial",
     "1  slip",
     "2  not solved: the routine found no point that fulfils the optimality conditions.  It starts at zero stress, or at another point "
@@ -104,10 +103,30 @@ _STATUS = (
     "With status 2 and 3 all results are nan.  With status 5 only the tangent is nan; with status 4 it may be nan.  Where the stress has "
     "no derivative, the routine returns one of several possible tangents.",
 )
-_LIMITS = (
+_LIMITS: tuple[str, ...] = (
     "The routine checks the optimality conditions in double precision only.  duhem.project also checks every answer in more digits.",
     "The routine does not search for points that Newton's method does not find.  They have the status 2.",
     "The routine does not compute d stress/d pressure.",
+    "Compile without -ffast-math, because the code uses infinities and nan.",
+)
+_STEP = (
+    "The routine computes one implicit step.  before and after are the observables at its ends, dt is its time, and temperature and "
+    "pressure are those at its end.  stress is the derivative of psi by the observables, and state has the internal variables, which the "
+    "routine replaces if it solves the step.  dissipation is that of the step, and tangent = d stress/d after.  Arguments that the law "
+    "does not need may be 0."
+)
+_STEP_STATUS: tuple[str, ...] = (
+    "0  nothing flows",
+    "1  something flows",
+    f"2  not solved to {KKT:g} of the terms, or a variable comes to a bound of its range: take a shorter step",
+    "3  invalid input: a number that is not finite, a time below 0, a pressure above 0, or a parameter, pressure or variable outside its "
+    "range",
+    "5  solved, but the step has no tangent",
+    "With status 2 and 3 all results are nan and the state is as before.  With status 5 a part of the tangent is nan.",
+)
+_STEP_LIMITS: tuple[str, ...] = (
+    "The energy contains the stiffness.  The state is that of one point: the routine keeps nothing between calls.",
+    "The tangent is not symmetric if the law has a flow of its own.",
     "Compile without -ffast-math, because the code uses infinities and nan.",
 )
 
@@ -135,45 +154,53 @@ _GUARD = """\
 #include <math.h>"""
 
 
+def c_functions_of(law: Criterion) -> Routine:
+    """The increment of the law, or its step where it has a state, as C functions.  InputError for a law that has none."""
+    return state_routine(law) if law.variables else routine(law)
+
+
 def _exported(verification: Verification) -> tuple[Criterion, Routine]:
-    """The law, and its increment as C functions.
+    """The law, and its increment or step as C functions.
 
     InputError where K is not proved to be convex: the conditions of the optimum that are tested hold at other points too then.
     """
     law = verification.criterion
     if not isinstance(law, Criterion):
         raise InputError(f"{law.name} is a boundary curve and has no formula g", where="law", remedy="export a law with a formula g")
-    made = routine(law)
-    _check_convex(verification)
-    return law, made
-
-
-def _check_convex(verification: Verification) -> None:
-    """InputError where K is not proved to be convex: the conditions that a routine tests hold at other points too then."""
+    made = c_functions_of(law)
     if (found := verification["convexity"].verdict) is not Verdict.PROVED:
         remedy = "use --set to choose parameters for which K is convex; duhem verify LAW gives details"
         raise InputError(
             f"convexity is {found.replace('_', ' ')}, but the routine is right only for a convex K",
-            where=verification.criterion.name,
+            where=law.name,
             remedy=remedy,
         )
+    return law, made
 
 
 def c_file(verification: Verification) -> str:
-    """The C file of the law that was verified; its one function with a name outside is NAME_increment.  Errors as :func:`exported`."""
+    """The C file of the law that was verified; its one function with a name outside is NAME_increment, or NAME_step of a law with a state.
+
+    InputError for a law that has no routine, and where K is not proved to be convex.
+    """
     law, made = _exported(verification)
     d, name = len(law.forces), identifier(law.name)
-    signature = (
-        f"int {name}_increment(const double trial[{d}], double pressure, const double stiffness[{d * d}], const double parameters[],\n"
-        f"    double stress[{d}], double slip[{d}], double *dissipation, double tangent[{d * d}])"
-    )
-    call = "increment(trial, pressure, stiffness, parameters, stress, slip, dissipation, tangent)"
-    return _c_text(_header(verification, law, made.parameters), made, signature, call)
-
-
-def _c_text(head: Sequence[str], made: Routine, signature: str, call: str) -> str:
-    """The file of a routine: its head as a comment, its functions, and the one that others call."""
-    said = "\n".join(f" * {line}".rstrip() for line in head)
+    if law.variables:
+        own = state_law(law)
+        o, i = own.observables, own.internal
+        signature = (
+            f"int {name}_step(const double before[{o}], const double after[{o}], double pressure, double temperature, double dt,\n"
+            f"    const double parameters[], double state[{i}], double stress[{o}], double *psi, double *dissipation, "
+            f"double tangent[{o * o}])"
+        )
+        call = "step(before, after, pressure, temperature, dt, parameters, state, stress, psi, dissipation, tangent)"
+    else:
+        signature = (
+            f"int {name}_increment(const double trial[{d}], double pressure, const double stiffness[{d * d}], const double parameters[],\n"
+            f"    double stress[{d}], double slip[{d}], double *dissipation, double tangent[{d * d}])"
+        )
+        call = "increment(trial, pressure, stiffness, parameters, stress, slip, dissipation, tangent)"
+    said = "\n".join(f" * {line}".rstrip() for line in _header(verification, law, made.parameters))
     whole = f"{signature};\n\n{signature}\n{{\n    return {call};\n}}"
     return "\n\n".join([f"/*\n{said}\n */", _GUARD, made.text, whole]) + "\n"
 
@@ -185,34 +212,38 @@ _ABAQUS = ("xx", "yy", "zz", "xy", "xz", "yz")  # its order of the components of
 
 
 def fortran_file(verification: Verification) -> str:
-    """The Fortran of the law that was verified, to be linked with its C file.  Errors as :func:`c_file`."""
+    """The Fortran of the law that was verified, to be linked with its C file.
+
+    Errors as :func:`c_file`, and InputError for a law with a state and a pressure.
+    """
     law, made = _exported(verification)
+    if law.variables and law.pressure is not None:
+        what = f"{law.name} has a state and a pressure, and FRIC does not give the displacement of which its stress is a function"
+        raise InputError(what, where="--to fortran", remedy="use --to c, and call NAME_step from your own routine")
     d, name = len(law.forces), identifier(law.name)
-    where = places(law, law.forces)
-    order = [law.forces[where.index(i)] for i in range(d)]
-    wrapper = _fortran(
-        "fric" if law.pressure else "umat",
-        head=_fortran("umat_arguments", name=name, entry="increment"),
-        name=name,
-        d=d,
-        square=d * d,
-        first=d * d + 1,
-        props=d * d + len(made.parameters),
-        places=", ".join(str(place + 1) for place in where),
-        order=", ".join(order),
-    )
-    return _fortran_text(law, _header(verification, law, made.parameters), _fortran("law_module", name=name, d=d), "", wrapper)
+    forces = prescribed(law) if law.variables else law.forces
+    where = places(law, forces)
+    told = {
+        "head": _fortran("umat_arguments", name=name, entry="step" if law.variables else "increment"),
+        "name": name,
+        "places": ", ".join(str(place + 1) for place in where),
+        "order": ", ".join(forces[where.index(k)] for k in range(len(forces))),
+    }
+    if law.variables:
+        own = state_law(law)
+        o, i = own.observables, own.internal
+        text = [_fortran("state_umat", **told, o=o, i=i, inner=", ".join(own.names[o : o + i]), props=len(made.parameters))]
+    else:
+        sizes = {"d": d, "square": d * d, "first": d * d + 1, "props": d * d + len(made.parameters)}
+        text = [_fortran("law_module", name=name, d=d), "", _fortran("fric" if law.pressure else "umat", **told, **sizes)]
+    first = f"To be linked with the C file of the same law (duhem export {law.name} --to c), which it calls."
+    head = (first, "", *_header(verification, law, made.parameters))
+    return "\n".join([*(f"! {line}".rstrip() for line in head), "", *text]) + "\n"
 
 
 def _fortran(kind: str, **told: object) -> str:
     """The text of that kind that stands beside this module, with what is said of the law in its places."""
     return Path(__file__).with_name(f"{kind}.f90").read_text("utf-8").rstrip("\n").format(**told)
-
-
-def _fortran_text(law: Criterion, head: Sequence[str], *text: str) -> str:
-    """The file of a routine: its head as a comment, and the rest."""
-    first = f"To be linked with the C file of the same law (duhem export {law.name} --to c), which it calls."
-    return "\n".join([*(f"! {line}".rstrip() for line in (first, "", *head)), "", *text]) + "\n"
 
 
 def places(law: Criterion, forces: Sequence[str]) -> list[int]:
@@ -221,81 +252,3 @@ def places(law: Criterion, forces: Sequence[str]) -> list[int]:
         return list(range(len(forces)))
     ends = [component.removeprefix(f"{law.stress.name}_") for component in forces]
     return [[end for end in _ABAQUS if end in ends].index(end) for end in ends]
-
-
-# -- a law with a state ------------------------------------------------------------------------------------------------
-
-
-_STEP_SAID = (
-    "The routine computes one implicit step.  before and after are the observables at its ends, dt is its time, and temperature and "
-    "pressure are those at its end.  stress is the derivative of psi by the observables, and state has the internal variables, which the "
-    "routine replaces if it solves the step.  dissipation is that of the step, and tangent = d stress/d after.  Arguments that the law "
-    "does not need may be 0."
-)
-_STEP_STATUS = (
-    "0  nothing flows",
-    "1  something flows",
-    f"2  not solved to {KKT:g} of the terms, or a variable comes to a bound of its range: take a shorter step",
-    "3  invalid input: a number that is not finite, a time below 0, a pressure above 0, or a parameter, pressure or variable outside its "
-    "range",
-    "5  solved, but the step has no tangent",
-    "With status 2 and 3 all results are nan and the state is as before.  With status 5 a part of the tangent is nan.",
-)
-_STEP_LIMITS = (
-    "The energy contains the stiffness.  The state is that of one point: the routine keeps nothing between calls.",
-    "The tangent is not symmetric if the law has a flow of its own.",
-    "Compile without -ffast-math, because the code uses infinities and nan.",
-)
-
-
-def _step_head(verification: Verification, law: Criterion, parameters: tuple[str, ...]) -> list[str]:
-    own = state_law(law)
-    seen, inner = own.names[: own.observables], own.names[own.observables : own.observables + own.internal]
-    arrays = (
-        f"before[{len(seen)}] and after[{len(seen)}]: {', '.join(seen)}; stress[{len(seen)}]: {', '.join(prescribed(law))}; "
-        f"state[{len(inner)}]: {', '.join(inner)}; tangent[{len(seen) ** 2}] row by row"
-    )
-    return _described(verification, law, parameters, _STEP_SAID, arrays, _STEP_STATUS, _STEP_LIMITS)
-
-
-def state_c_file(verification: Verification) -> str:
-    """The C file of the law that was verified; its one function with a name outside is NAME_step.  InputError for what has no routine."""
-    law = _state_law(verification)
-    made, own, name = state_routine(law), state_law(law), identifier(law.name)
-    o, i = own.observables, own.internal
-    signature = (
-        f"int {name}_step(const double before[{o}], const double after[{o}], double pressure, double temperature, double dt,\n"
-        f"    const double parameters[], double state[{i}], double stress[{o}], double *psi, double *dissipation, double tangent[{o * o}])"
-    )
-    call = "step(before, after, pressure, temperature, dt, parameters, state, stress, psi, dissipation, tangent)"
-    return _c_text(_step_head(verification, law, made.parameters), made, signature, call)
-
-
-def state_fortran_file(verification: Verification) -> str:
-    """The UMAT of the law that was verified, to be linked with its C file.  InputError for a law with a pressure, or without a routine."""
-    law = _state_law(verification)
-    if law.pressure is not None:
-        what = f"{law.name} has a state and a pressure, and FRIC does not give the displacement of which its stress is a function"
-        raise InputError(what, where="--to fortran", remedy="use --to c, and call NAME_step from your own routine")
-    made, own, name = state_routine(law), state_law(law), identifier(law.name)
-    forces = prescribed(law)
-    where = places(law, forces)
-    text = _fortran(
-        "state_umat",
-        head=_fortran("umat_arguments", name=name, entry="step"),
-        name=name,
-        o=own.observables,
-        i=own.internal,
-        inner=", ".join(own.names[own.observables : own.observables + own.internal]),
-        order=", ".join(forces[where.index(k)] for k in range(len(forces))),
-        places=", ".join(str(place + 1) for place in where),
-        props=len(made.parameters),
-    )
-    return _fortran_text(law, _step_head(verification, law, made.parameters), text)
-
-
-def _state_law(verification: Verification) -> Criterion:
-    law = verification.criterion
-    assert isinstance(law, Criterion)  # a boundary curve has no variables
-    _check_convex(verification)
-    return law

@@ -20,18 +20,16 @@ from numpy.typing import NDArray
 from duhem.errors import InputError
 from duhem.law.shapes import Interval
 from duhem.path import step_formulas
-from duhem.path.closest import LOST, ClosestPoints, ShapeNumbers, shape_by
 from duhem.path.history import SUMS, Histories
 from duhem.path.integrators import STEPS, stretch
 from duhem.path.loading import Paths, Which
-from duhem.path.rows import Ledger, States
+from duhem.path.rows import LOST, ClosestPoints, Ledger, ShapeNumbers, States, shape_by
 from duhem.path.run import Plan, Share, columns
 from duhem.path.step_formulas import FORMULAS, booked, written
 from duhem.projection import compiled, quadrants, quarter_ellipse
 from duhem.projection.compiled import kept_function, kernels
 from duhem.projection.compiled_newton import Loop
-from duhem.projection.declared_ranges import beyond
-from duhem.projection.increment import Convexity, Increment
+from duhem.projection.increment import Convexity, Increment, beyond
 from duhem.projection.newton_kernel import KINKS, LEFT, SLIP, solved
 from duhem.projection.newton_step import DATA, MATRICES, ROWS, D
 from duhem.projection.projector import Projector

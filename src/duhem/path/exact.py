@@ -12,13 +12,12 @@ from math import cos, sin
 import numpy as np
 
 from duhem.law.shapes import Disk, Interval
-from duhem.path.closest import ShapeNumbers, shape_numbers
 from duhem.path.elementary_steps import Move, on_ellipse, on_interval
-from duhem.path.rows import Ledger, Stepped
+from duhem.path.rows import Ledger, ShapeNumbers, Stepped, shape_numbers
 from duhem.path.run import Plan, Share
 from duhem.path.step_formulas import on_numbers
 from duhem.projection.result import Array
-from duhem.projection.scaled_yield_function import level_of
+from duhem.projection.scaled_formula import level_of
 from duhem.projection.variational_samples import beyond_tangents
 
 __all__ = ["Piece", "advance", "elementary", "piece", "why"]

@@ -19,8 +19,7 @@ from duhem.law.formula_law import Criterion
 from duhem.law.table_file import MOST_NUMBERS
 from duhem.path import step_formulas
 from duhem.path.loading import Path, Paths, checked_count, given_numbers
-from duhem.projection.declared_ranges import refused
-from duhem.projection.increment import Convexity, Increment, setting
+from duhem.projection.increment import Convexity, Increment, refused, setting
 from duhem.projection.increment import increment as checked
 from duhem.projection.result import Array
 

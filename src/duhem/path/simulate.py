@@ -19,16 +19,14 @@ from duhem.errors import DuhemError, InputError
 from duhem.law.catalogue import load_formula
 from duhem.law.formula_law import Criterion
 from duhem.law.state import evolves
-from duhem.path.closest import closest_by, outside, shape_by
 from duhem.path.history import STATES, SUMS, Checkpoint, Due, H, Histories, History, Interrupted, LeftDomain, LeftPrecision, told_of
 from duhem.path.integrators import INTEGRATORS, STEPS
 from duhem.path.loading import Path, Paths, Which, between, checked_count
-from duhem.path.rows import Ledger, States, Step
+from duhem.path.rows import Ledger, States, Step, closest_by, outside, shape_by
 from duhem.path.run import MOST_THREADS, Batch, Plan, Run, Share, columns, stress_at_start, times
 from duhem.path.state_path import StateHistory, state_history
 from duhem.path.step_formulas import booked
-from duhem.projection.declared_ranges import beyond, crossed
-from duhem.projection.increment import posed, setting
+from duhem.projection.increment import beyond, crossed, posed, setting
 from duhem.projection.result import Array, Status
 
 __all__ = ["MOST_KEPT", "check_compiled", "driven", "first_stress", "parts", "simulate"]

@@ -27,7 +27,7 @@ from duhem.path.loading import Path
 from duhem.path.run import Run
 from duhem.path.state_question import Drive, StateQuestion, inside
 from duhem.path.state_step import KKT, Advanced, Flags, own_dissipation
-from duhem.projection.declared_ranges import beyond, crossed
+from duhem.projection.increment import beyond, crossed
 from duhem.projection.result import Array, Status
 from duhem.show.printing import draw
 

@@ -19,9 +19,8 @@ from duhem.law.formula_law import Criterion
 from duhem.law.shapes import Disk, Interval, Quadrants, Shape
 from duhem.projection import quadrants
 from duhem.projection.in_blocks import BLOCK, in_blocks, keep_freed_memory
-from duhem.projection.increment import Increment
+from duhem.projection.increment import Increment, factors
 from duhem.projection.method import ClosestPoint, Compiling, Method
-from duhem.projection.metric import factors
 from duhem.projection.plain_numbers import interpreted
 from duhem.projection.quadrants import Quarters, plain_closest
 from duhem.projection.result import Array, Solution

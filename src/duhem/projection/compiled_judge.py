@@ -24,9 +24,8 @@ from duhem.expression.vocabulary import Norm
 from duhem.projection import judge_kernel, slip_kernel
 from duhem.projection.code_cache import CompiledText, compiled_text, only_read
 from duhem.projection.in_blocks import in_blocks, keep_freed_memory
-from duhem.projection.increment import Increment
+from duhem.projection.increment import Increment, Metric
 from duhem.projection.judge_kernel import UNJUDGED
-from duhem.projection.metric import Metric
 from duhem.projection.module_text import module_text, over_unit
 from duhem.projection.newton_step import below, eliminated, grown, length
 from duhem.projection.normal_cones import beside
@@ -34,8 +33,7 @@ from duhem.projection.plain_numbers import FAULTS, interpreted, zeros
 from duhem.projection.residuals import Judge, Told
 from duhem.projection.result import Array, Residuals, Solution
 from duhem.projection.row_by_row import unit
-from duhem.projection.scaled_formula import ScaledFormula
-from duhem.projection.scaled_yield_function import Level
+from duhem.projection.scaled_formula import Level, ScaledFormula
 from duhem.projection.variational_samples import Variational
 
 __all__ = ["Look", "compiled_look", "plain_look", "told", "told_one_by_one"]

@@ -31,15 +31,14 @@ from duhem.expression.cvxpy_ import dcp_fault, expression
 from duhem.expression.jets import program
 from duhem.expression.number import exact_number
 from duhem.projection import conic_solvers
-from duhem.projection.ball_newton import put_right
 from duhem.projection.conic_solvers import Rungs
-from duhem.projection.degenerate_set import shrunk
-from duhem.projection.increment import Increment
+from duhem.projection.extended_precision import put_right
+from duhem.projection.increment import Increment, too_far_apart
 from duhem.projection.method import Method, Options
-from duhem.projection.metric import too_far_apart
 from duhem.projection.residuals import Judge, residuals
 from duhem.projection.result import Array, Residuals, Solution
 from duhem.projection.scaled_formula import ScaledFormula, scaled
+from duhem.projection.whitened_body import shrunk
 
 __all__ = ["CVXPY", "CvxpyOptions", "applies", "solve"]
 

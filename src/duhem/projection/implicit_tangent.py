@@ -22,8 +22,8 @@ from numpy.typing import NDArray
 
 from duhem.expression import Where
 from duhem.expression.jets import Choices, JetProgram, formula
+from duhem.projection.half_spaces import HalfSpaces
 from duhem.projection.increment import Increment
-from duhem.projection.outer_approximation import HalfSpaces
 from duhem.projection.result import Array, Pointwise, Solution
 from duhem.projection.row_by_row import length as lengths
 from duhem.projection.whitened_body import whitening

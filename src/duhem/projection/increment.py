@@ -1,16 +1,14 @@
 """The question of one slip increment: trial stresses, pressures, stiffness and parameter values that fit the law.
 
-What a caller may ask is checked here, once, and the first bad entry is named.
-
-Where law and stiffness are isotropic, an increment in six stresses is one in three principal stresses: the closest stress has the axes of
-the trial, and its principal stresses are closest to those of the trial in the K that they have (A. S. Lewis 1996, SIAM J. Optim. 6,
-164-177).  There planes bound the K of Tresca and of Mohr and Coulomb, and edges where two principal stresses are equal are corners.
+What a caller may ask is checked here, once, and the first bad entry is named.  The lengths that a stiffness gives to slips and stresses,
+and the ranges that a law declares, belong to the question too.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from fractions import Fraction
 from functools import lru_cache
 from typing import Any
 
@@ -22,18 +20,14 @@ from duhem.errors import InputError
 from duhem.expression.given_array import check_rows, in_order, unlabelled, unmasked
 from duhem.expression.number import exact_number, inert_exponent
 from duhem.expression.unevaluated import Verbatim
-from duhem.expression.vocabulary import EigMax, symbol
 from duhem.law.domain import by_name
 from duhem.law.formula_law import Criterion
 from duhem.law.state import frozen
-from duhem.projection.declared_ranges import refused
-from duhem.projection.metric import ROUNDING, factors
-from duhem.projection.result import Array, Solution
-from duhem.projection.row_by_row import widest
+from duhem.projection.result import ACCURACY, Array
 
 __all__ = [
-    "Convexity", "Increment", "at_doubles", "check_associated", "increment", "posed", "principal", "setting", "stiffness_matrix",
-    "stiffness_of", "trial_rows",
+    "ROUNDING", "Convexity", "Increment", "Metric", "at_doubles", "beyond", "check_associated", "crossed", "factors", "increment", "posed",
+    "refused", "setting", "stiffness_matrix", "stiffness_of", "too_far_apart", "trial_rows",
 ]  # fmt: skip
 
 
@@ -306,69 +300,123 @@ def _matrix(given: bytes, shape: tuple[int, ...], one: tuple[float, ...]) -> tup
     return symmetric, bool((symmetric == np.diag(np.diagonal(symmetric))).all())
 
 
-# -- in principal stresses ---------------------------------------------------------------------------------------------
+# -- the metric of a stiffness -----------------------------------------------------------------------------------------
+#
+# Lengths are (x . k x)^1/2 of slips and (x . k^-1 x)^1/2 of stresses, however ill-conditioned k is.
 
-_ROWS, _COLUMNS = (0, 1, 2, 1, 0, 0), (0, 1, 2, 2, 2, 1)  # of the entries xx, yy, zz, yz, xz, xy
-_MATRIX = np.array([[0, 5, 4], [5, 1, 3], [4, 3, 2]])
-_FAR = 1e3  # stresses: the axes of a trial farther off leave rounding of its size
-_NEAR = 1e-6  # of the trial: a way to the boundary that is shorter has lost as many digits
+
+def too_far_apart(stiffness: Array) -> str | None:
+    """None where k over its largest entry has a Cholesky factor in double precision, else why not, with the remedy."""
+    relative = stiffness / np.max(np.diagonal(stiffness))
+    try:
+        np.linalg.cholesky(relative)
+    except np.linalg.LinAlgError:
+        return "the stiffnesses are too far apart for double precision; measure the forces in units that bring them together"
+    return None
+
+
+def factors(stiffness: Array) -> tuple[Array, Array]:
+    """L lower triangular and its inverse, for a symmetric positive definite (d, d) ``stiffness`` in Pa/m.
+
+    slip @ L and stress @ L^-T then have the lengths (slip . k slip)^1/2 and (stress . k^-1 stress)^1/2, in (J/m^2)^1/2.
+    k = U D U^T is found exactly, in fractions: in floating point the last pivot keeps no digit once the condition
+    exceeds 1e16 (G. H. Golub and C. F. Van Loan, 2013, Matrix Computations, section 4.2).  InputError if k is not
+    positive definite.
+    """
+    d = len(stiffness)
+    k = [[Fraction(x) for x in row] for row in np.asarray(stiffness, dtype=np.float64).tolist()]
+    unit = [[Fraction(i == j) for j in range(d)] for i in range(d)]
+    inverse = [[Fraction(i == j) for j in range(d)] for i in range(d)]
+    for j in range(d):
+        if k[j][j] <= 0:
+            raise InputError("the matrix is not positive definite", where="stiffness", remedy="give a symmetric positive definite one")
+        for i in range(j + 1, d):
+            share = k[i][j] / k[j][j]
+            unit[i][j] = share
+            k[i] = [x - share * y for x, y in zip(k[i], k[j], strict=True)]
+            inverse[i] = [x - share * y for x, y in zip(inverse[i], inverse[j], strict=True)]
+    roots = np.sqrt([float(k[j][j]) for j in range(d)])
+    rows = ([[float(x) for x in row] for row in matrix] for matrix in (unit, inverse))
+    lower, upper = (np.array(row) for row in rows)
+    return lower * roots, upper / roots[:, None]
+
+
+ROUNDING = 4e-15  # of each number that enters
 
 
 @dataclass(frozen=True, eq=False)
-class Principal:
-    """The increments in principal stresses, the ``axes`` (N, 3, 3) of the trials, and the ``places`` of the entries among the forces."""
+class Metric:
+    """Matrices (d, d): rows times ``of_slip`` or ``of_stress`` have these lengths, ``to_stress`` is the way back.
 
-    increment: Increment
-    axes: Array
-    places: NDArray[np.intp]
+    ``blur``: what a difference of stresses may be off by as a share of their lengths; ``steepest``: the most that the components
+    of a slip are longer than in the metric; ``good``: what a slip may be off by in it for all its components to be good, ``certain``
+    what a point may be off by as a share of its stress, or of its slip, for those of either to be.
+    """
 
-    def back(self, found: Solution) -> tuple[Solution, NDArray[np.bool_]]:
-        """The solution in six stresses, and where it has its digits (N,)."""
-        stress, slip = np.empty((2, len(self.axes), 6))
-        for into, own in ((stress, found.stress), (slip, found.slip)):
-            into[:, self.places] = ((self.axes * own[:, None]) @ np.swapaxes(self.axes, 1, 2))[:, _ROWS, _COLUMNS]
-        slip[:, self.places[3:]] *= 2.0  # a shear strain of engineers is twice the entry
-        far = widest(self.increment.trial)
-        away = widest(self.increment.trial - found.stress)
-        return Solution(stress, slip, found.multiplier, found.failed), (away > _NEAR * far) & (far / _FAR < widest(found.stress))
+    of_slip: Array
+    of_stress: Array
+    to_stress: Array
+    blur: float
+    steepest: float
+    good: float
+    certain: float
 
-
-def principal(question: Increment) -> Principal | None:
-    """Those of a question; None where the law is not known to be isotropic, or the stiffness is not."""
-    if (made := _reduced(question.law)) is None:
-        return None
-    law, known, places = made
-    k = question.stiffness[np.ix_(places, places)]
-    shear, bulk = 2.0 * k[3, 3], 2.0 * k[3, 3] + 3.0 * k[0, 1]  # the two eigenvalues
-    isotropic = np.diag([shear] * 3 + [k[3, 3]] * 3)
-    isotropic[:3, :3] += k[0, 1]
-    if np.abs(isotropic - k).max() > ROUNDING * min(shear, bulk):
-        return None
-    with np.errstate(over="ignore", invalid="ignore"):
-        values, axes = np.linalg.eigh(question.trial[:, places[_MATRIX]])
-    if not np.isfinite(values).all():
-        return None
-    stiffness, diagonal = stiffness_matrix(isotropic[:3, :3], law.forces)
-    own = replace(question, law=law, g=question.g.xreplace(known), trial=values, stiffness=stiffness, diagonal=diagonal)
-    return Principal(own, axes, places)
+    @classmethod
+    def of(cls, stiffness: Array) -> Metric:
+        """That of k, symmetric and positive definite."""
+        return _metric(stiffness.tobytes(), len(stiffness))
 
 
 @lru_cache(maxsize=64)
-def _reduced(law: Criterion) -> tuple[Criterion, dict[sp.Expr, sp.Expr], NDArray[np.intp]] | None:
-    """The law in principal stresses, what takes the place of eigenvalues and entries in it, and where xx, yy, zz, yz, xz, xy stand.
+def _metric(stiffness: bytes, d: int) -> Metric:
+    k = np.frombuffer(stiffness).reshape(d, d)
+    lower, inverse = factors(k)
+    blur = 2.0 * ROUNDING * float(np.linalg.norm(np.abs(lower.T) @ np.abs(inverse.T), 2))  # of components, which the metric weighs
+    steepest = float(np.linalg.norm(inverse, 2))
+    good = ACCURACY / max(1.0, steepest * float(np.linalg.norm(lower, 2)))
+    return Metric(lower, inverse.T, lower.T, blur, steepest, good, good / float(np.sqrt(d)))
 
-    Of a law whose stresses stand in eigenvalues and in the trace alone, with ranges on none of them.
-    """
-    forces = law.force_symbols()
-    entries = next((node.args for node in law.g.atoms(EigMax) if set(node.args) == set(forces)), None)
-    names = "principal_1", "principal_2", "principal_3"
-    if entries is None or law.domain or set(names) & set(law.symbols()):
-        return None
-    nodes, trace = (EigMax(*entries), EigMax(*(-x for x in entries))), sp.Dummy()
-    rest = law.g.xreplace({**{node: sp.Dummy() for node in nodes}, entries[0]: trace - entries[1] - entries[2]})
-    if rest.free_symbols & set(forces):
-        return None
-    s = [symbol(name) for name in names]
-    known = {nodes[0]: sp.Max(*s), nodes[1]: sp.Max(*(-x for x in s)), **dict(zip(entries, s, strict=False))}
-    made = Criterion(law.name, law.g.xreplace(known), law.parameters, names, law.pressure, law.constraints)
-    return made, known, np.array([forces.index(x) for x in entries])
+
+# -- the ranges of a law's pressure and forces -------------------------------------------------------------------------
+#
+# A pressure outside is no question to the law, and a stress outside no answer.  What a law claims it claims in its ranges alone (``domain``
+# of :class:`duhem.Criterion`).  The closest point of K that lies in them is that of K within them too; one that does not is the closest
+# point of nothing that is claimed to be convex.  A trial stress is no state of the law, and may lie anywhere.
+
+_AT_AN_END = 1e-12  # of the size of a stress: an end of a range may be where K ends too
+
+
+def refused(law: Criterion, pressure: Array) -> NDArray[np.bool_]:
+    """Which of the pressures (N,) lie outside the law's range; a double stands for the number that it is the nearest to."""
+    if law.pressure is None or law.pressure not in law.domain:
+        return np.zeros(pressure.shape, dtype=np.bool_)
+    low, high = law.domain[law.pressure].ends
+    out: NDArray[np.bool_] = (pressure < low) | (pressure > high)
+    return out
+
+
+def beyond(law: Criterion, stress: Array, trial: Array | None = None) -> NDArray[np.bool_]:
+    """Which of the ``stress`` (N, d) lie outside the ranges by more than rounding, of the ``trial`` (N, d) too; (N,)."""
+    return np.asarray(_beyond(law, stress, trial).any(axis=1))
+
+
+def crossed(law: Criterion, stress: Array) -> str:
+    """What the first of the ``stress`` (N, d) that lies beyond a range crosses: ``sigma_a = 12 lies outside its range [-10, 10]``."""
+    row, column = np.argwhere(_beyond(law, stress, None))[0]
+    force = [name for name in law.forces if name in law.domain][column]
+    low, high = law.domain[force].ends
+    x = float(stress[row, law.forces.index(force)])
+    said = f"{x:g}" if not low <= float(f"{x:g}") <= high else repr(x)  # with digits enough to be outside
+    return f"{force} = {said} lies outside its range {law.domain[force].describe()}"
+
+
+def _beyond(law: Criterion, stress: Array, trial: Array | None) -> NDArray[np.bool_]:
+    """The same for each range of a force, (N, ranges)."""
+    ranged = [i for i, name in enumerate(law.forces) if name in law.domain]
+    if not ranged:
+        return np.zeros((len(stress), 0), dtype=np.bool_)
+    low, high = np.array([law.domain[law.forces[i]].ends for i in ranged]).T
+    size = np.abs(stress).max(axis=1)
+    slack = _AT_AN_END * size if trial is None else _AT_AN_END * size + 4.0 * np.finfo(float).eps * np.abs(trial).max(axis=1)
+    own: NDArray[np.bool_] = (stress[:, ranged] < low - slack[:, None]) | (stress[:, ranged] > high + slack[:, None])
+    return own

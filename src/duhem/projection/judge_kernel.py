@@ -103,7 +103,7 @@ def judge(
     stiffness settle (:func:`unpacked`): the constants of the ``pressed`` data, then those of h, and what they are off by;
     ``largest`` the pressure at which the ``tips`` of K are known, ``ways`` and ``reaches`` their directions and lengths in
     the metric; ``beside`` ways off a point, where the normals of a corner are looked for; the matrices as in
-    :class:`duhem.projection.metric.Metric`.  Lengths are taken over powers of two, ``unit`` of a stress and ``size`` of all of the
+    :class:`duhem.projection.increment.Metric`.  Lengths are taken over powers of two, ``unit`` of a stress and ``size`` of all of the
     metric; ``per`` is 1/size.
     """
     largest, blur, good, certain, degree, pressed, pressed_off, constants, constants_off, reaches = unpacked(numbers)

@@ -6,7 +6,7 @@ whatever the shape (Y. Haugazeau 1968; J. E. Kelley 1960), and on polytopes it e
 on the optimality conditions is tried from where the polyhedron stands: on the piece that holds there, and where pieces
 of different formulas press, on their meet.  What it finds is taken only if it satisfies the optimality conditions,
 which for a convex K are sufficient; so no iteration is trusted, only its result.  Where planes bound K there is no search: their sets
-are few (:mod:`duhem.projection.affine_faces`).
+are few (:mod:`duhem.projection.half_spaces`).
 """
 
 from __future__ import annotations
@@ -20,20 +20,16 @@ from numpy.typing import NDArray
 
 from duhem.expression.jets import Choices
 from duhem.expression.rays import crossing
-from duhem.projection.affine_faces import faces
-from duhem.projection.ball_newton import closest
-from duhem.projection.degenerate_set import shrunk
-from duhem.projection.extended_precision import close_look
+from duhem.projection.extended_precision import close_look, closest
+from duhem.projection.half_spaces import HalfSpaces, faces
 from duhem.projection.implicit_tangent import tangent
 from duhem.projection.in_blocks import FEW_SEARCHED
-from duhem.projection.increment import Increment
+from duhem.projection.increment import Increment, too_far_apart
 from duhem.projection.method import ClosestPoint, Compiling, Method, Options
-from duhem.projection.metric import too_far_apart
-from duhem.projection.outer_approximation import HalfSpaces
 from duhem.projection.result import Array, Pointwise, Solution
 from duhem.projection.row_by_row import times
 from duhem.projection.scaled_formula import grown, power_of_two, scaled
-from duhem.projection.whitened_body import Body, Index, body, inner_points, lineality, whitening
+from duhem.projection.whitened_body import Body, Index, body, inner_points, lineality, shrunk, whitening
 
 __all__ = ["NEWTON", "NewtonOptions", "applies", "search", "solve", "tangent"]
 

@@ -15,13 +15,13 @@ from duhem.errors import InputError
 from duhem.expression.scalar_jets import scalar_jets
 from duhem.expression.vocabulary import EigMax
 from duhem.projection import newton_step, slip_kernel
-from duhem.projection.metric import ROUNDING, Metric
+from duhem.projection.half_spaces import HalfSpaces
+from duhem.projection.increment import ROUNDING, Metric
 from duhem.projection.module_text import module_text
-from duhem.projection.outer_approximation import HalfSpaces
 from duhem.projection.plain_numbers import FAULTS, interpreted, zeros
 from duhem.projection.result import Array, Pointwise
 from duhem.projection.row_by_row import dot, length, spanning, times, unit
-from duhem.projection.scaled_yield_function import Level
+from duhem.projection.scaled_formula import Level
 
 __all__ = ["Suspect", "beside", "off_cone", "off_edge"]
 

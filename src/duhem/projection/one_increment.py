@@ -15,12 +15,11 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from duhem.projection.compiled_judge import Look, compiled_look, plain_look
-from duhem.projection.increment import Increment
+from duhem.projection.increment import Increment, Metric
 from duhem.projection.judge_kernel import UNJUDGED
 from duhem.projection.method import ClosestPoint, Method
-from duhem.projection.metric import Metric
 from duhem.projection.result import Projection, Residuals, Status
-from duhem.projection.scaled_yield_function import level_of
+from duhem.projection.scaled_formula import level_of
 from duhem.projection.variational_samples import Variational
 
 __all__ = ["OneIncrement", "PointAnswer"]

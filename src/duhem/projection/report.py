@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import json as js
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import fields
 from typing import Any
 
 import numpy as np
 
 from duhem.law.formula_law import Criterion
-from duhem.projection.declared_ranges import crossed
+from duhem.projection.increment import crossed
 from duhem.projection.result import Array, Projection, Status
 from duhem.show.page import PAGE, Page
 from duhem.show.printing import Sheet, plain, sheet
@@ -87,7 +87,8 @@ def text(law: Criterion, trial: Sequence[float], pressure: float | None, done: P
         head += page.field(law.pressure, _number(pressure), size)
     head += page.field("method", f"{done.method} ({done.why})", size)
     head += page.field("status", f"{_word(done.status[0])} ({remark})" if (remark := _remark(law, done)) else _word(done.status[0]), size)
-    increment = page.table([("force", "trial", "stress", "slip"), *_rows(law, trial, done)], "lr")
+    rows = [(force, *map(_number, each)) for force, *each in zip(law.forces, trial, done.stress[0], done.slip[0], strict=True)]
+    increment = page.table([("force", "trial", "stress", "slip"), *rows], "lr")
     sums = [
         *page.field("multiplier", _number(done.multiplier[0]), _FIELD),
         *page.field("dissipation", _number(done.dissipation[0]), _FIELD),
@@ -101,17 +102,18 @@ def text(law: Criterion, trial: Sequence[float], pressure: float | None, done: P
             columns = [f"displacement along {force}" for force in law.forces]
             columns += [] if done.tangent_pressure is None else [f"{law.pressure}"]
             block = page.table([("by", *columns), *rows], "lr")
-        if done.status[0] <= Status.SLIP and any(_finite(x) is None for row in _slopes(done) for x in row):
+        if done.status[0] <= Status.SLIP and not np.isfinite(_slopes(done)).all():
             block = page.hanging("unknown: degenerate corner (the active surfaces are not unique), or an infinite curvature")
         slopes = [*page.hanging(title), *block]
     residuals = page.hanging("Optimality: residuals relative to the increment")
-    for name, value in _residuals(done).items():
-        residuals += page.field(name.replace("_", " "), f"{value:.1e}", len("complementarity"))
+    for entry in fields(done.residuals):
+        residuals += page.field(entry.name.replace("_", " "), f"{getattr(done.residuals, entry.name)[0]:.1e}", len("complementarity"))
     return page.report([head, increment, sums, slopes, residuals])
 
 
 def json(law: Criterion, trial: Sequence[float], pressure: float | None, done: Projection) -> str:
     """The same as one object; a number that is not finite is null."""
+    told = as_dict(done)
     report: dict[str, Any] = {
         "duhem": __version__,
         "criterion": law.name,
@@ -121,24 +123,13 @@ def json(law: Criterion, trial: Sequence[float], pressure: float | None, done: P
         "pressure": pressure,
         "method": done.method,
         "why": done.why,
-        "status": _word(done.status[0]),
+        "status": told["status"][0],
         "remark": _remark(law, done),
-        "stress": [_finite(x) for x in done.stress[0]],
-        "slip": [_finite(x) for x in done.slip[0]],
-        "multiplier": _finite(done.multiplier[0]),
-        "dissipation": _finite(done.dissipation[0]),
-        "residuals": {name: _finite(value) for name, value in _residuals(done).items()},
+        **{name: told[name][0] for name in ("stress", "slip", "multiplier", "dissipation")},
+        "residuals": {name: values[0] for name, values in told["residuals"].items()},
+        **{name: told[name][0] for name in ("tangent", "tangent_pressure") if name in told},
     }
-    if done.tangent is not None:
-        report["tangent"] = [[_finite(x) for x in row] for row in done.tangent[0]]
-        if done.tangent_pressure is not None:
-            report["tangent_pressure"] = [_finite(x) for x in done.tangent_pressure[0]]
     return js.dumps(report, indent=2, ensure_ascii=False)
-
-
-def _rows(law: Criterion, trial: Sequence[float], done: Projection) -> Iterator[tuple[str, ...]]:
-    for i, force in enumerate(law.forces):
-        yield force, *(_number(x) for x in (trial[i], done.stress[0, i], done.slip[0, i]))
 
 
 def _slopes(done: Projection) -> list[list[float]]:
@@ -147,10 +138,6 @@ def _slopes(done: Projection) -> list[list[float]]:
     if done.tangent_pressure is None:
         return list(rows)
     return [[*row, x] for row, x in zip(rows, done.tangent_pressure[0].tolist(), strict=True)]
-
-
-def _residuals(done: Projection) -> dict[str, float]:
-    return {entry.name: float(getattr(done.residuals, entry.name)[0]) for entry in fields(done.residuals)}
 
 
 def _remark(law: Criterion, done: Projection) -> str | None:
@@ -162,8 +149,3 @@ def _remark(law: Criterion, done: Projection) -> str | None:
 
 def _number(x: float) -> str:
     return f"{float(x):.15g}"
-
-
-def _finite(x: float) -> float | None:
-    number = float(x)
-    return number if abs(number) < float("inf") else None

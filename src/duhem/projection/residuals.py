@@ -23,17 +23,23 @@ import numpy as np
 from numpy.typing import NDArray
 
 from duhem.expression.vocabulary import EigMax
-from duhem.projection.ball_newton import LEAST_SLIP, SLIP_SHARE, ClosestInDigits, closest_beside, departures
-from duhem.projection.extended_precision import as_pairs, close_look, pushed_back
+from duhem.projection.extended_precision import (
+    LEAST_SLIP,
+    SLIP_SHARE,
+    ClosestInDigits,
+    as_pairs,
+    close_look,
+    closest_beside,
+    departures,
+    pushed_back,
+)
 from duhem.projection.in_blocks import BLOCK, in_blocks, keep_freed_memory
-from duhem.projection.increment import Increment
+from duhem.projection.increment import ROUNDING, Increment, Metric
 from duhem.projection.judge_kernel import LOW
-from duhem.projection.metric import ROUNDING, Metric
 from duhem.projection.normal_cones import Suspect, off_cone
 from duhem.projection.result import ACCURACY, Array, Residuals, Solution
 from duhem.projection.row_by_row import any_of, columns_times, dot, length, share, unit, widest
-from duhem.projection.scaled_formula import power_of_two
-from duhem.projection.scaled_yield_function import Level, Placed, level_of
+from duhem.projection.scaled_formula import Level, Placed, level_of, power_of_two
 from duhem.projection.variational_samples import Variational
 
 __all__ = ["Judge", "Told", "residuals"]

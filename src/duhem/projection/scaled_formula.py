@@ -3,6 +3,9 @@
 The parts of g that no force enters (mu |sigma_n|, a cohesion, a yield stress) become data q with a weight each, so that
 q(R) = q / R^weight carries all units and h is one formula for every pressure and every scale R > 0 (Buckingham 1914).
 Where g has no such degree (exp(sigma_a/c), say), h(s; R, sigma_n) = g(R s, sigma_n) with degree 0, R a datum like others.
+
+A :class:`Level` is h at stresses sigma = R s of any size, R a power of two: its sign, its slope dh/ds, and how sure they are.  No power
+of a stress leaves the range of doubles, and a value of h over a slope is a length in units of R.
 """
 
 from __future__ import annotations
@@ -14,16 +17,20 @@ from typing import Any
 
 import numpy as np
 import sympy as sp
+from numpy.typing import NDArray
 
 from duhem.expression import Table, fold
 from duhem.expression.dimensions import weighing
-from duhem.expression.error_bounds import Bounded, bounded
+from duhem.expression.error_bounds import Bounded, BoundedProgram, bounded
+from duhem.expression.jets import Choices, Jet, JetProgram, formula, program
 from duhem.expression.numpy_ import Program, compiled
 from duhem.expression.pnorm import PNorm, recognised
 from duhem.expression.vocabulary import Neg, Norm, Pos
+from duhem.projection.increment import Increment
 from duhem.projection.result import Array
+from duhem.projection.row_by_row import widest
 
-__all__ = ["Datum", "ScaledFormula", "grown", "may_cancel", "of_pressure_alone", "power_of_two", "scaled"]
+__all__ = ["Datum", "Level", "ScaledFormula", "grown", "level", "level_of", "may_cancel", "of_pressure_alone", "power_of_two", "scaled"]
 
 _DIGITS = 40  # of a root of a number
 _TELLING = 2.0**-40  # of a datum: a value whose rounding may be more than this share of it has lost digits
@@ -313,3 +320,114 @@ def _root(expr: sp.Expr, weight: sp.Expr) -> sp.Expr:
         return sp.Rational(str(sp.N(sp.Abs(expr) ** (1 / weight), _DIGITS)))
     base, exponent = expr.as_base_exp()
     return sp.Abs(base) ** (exponent / weight) if exponent.is_number else sp.Abs(expr) ** (1 / weight)
+
+
+# -- h at stresses of any size -----------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, eq=False)
+class Level:
+    """One law with numbers for parameters; ``level`` makes one a formula, so that what is cached by it is found again."""
+
+    scaled: ScaledFormula
+    forces: int
+    value: Program
+    bounds: BoundedProgram
+    jets: JetProgram
+    unstressed: Program
+
+    def __call__(self, *values: Array) -> Array:
+        """h over arrays of the forces and the pressure, like a program of the formula, each point in units of its own."""
+        stress = np.stack(np.broadcast_arrays(*values), axis=-1)[..., : self.forces].reshape(-1, self.forces)
+        size = power_of_two(widest(stress))
+        pressure = np.broadcast_to(values[-1], values[0].shape).reshape(-1)
+        data = self.scaled.values(pressure, size)
+        return self.value(*(stress / size[:, None]).T, *data.values()).reshape(values[0].shape)
+
+    def limit(self, stress: Array, pressure: Array, size: Array) -> Array:
+        """h at stresses (N, d), or its limit where it is 0/0; R = ``size`` (N,)."""
+        return self.value(*(stress / size[:, None]).T, *self.scaled.values(pressure, size).values())
+
+    def rise(self, pressure: Array, size: Array) -> Array:
+        """-h at no stress, one or (N,), R = ``size`` (N,): of a convex h no piece that holds at a stress rises less on the way there."""
+        return -self.unstressed(*self.scaled.values(pressure, size).values())
+
+    def bounded(self, stress: Array, pressure: Array, size: Array) -> tuple[Array, Array]:
+        """h at stresses (N, d) and a bound of its rounding; R = ``size`` (N,), powers of two."""
+        return self.placed(stress, pressure, size).bounded()
+
+    def placed(self, stress: Array, pressure: Array, size: Array) -> Placed:
+        """Stresses (N, d) and the data there, in units of R = ``size`` (N,), powers of two."""
+        s = np.empty(stress.shape[::-1])
+        for row, force in zip(s, stress.T, strict=True):
+            np.divide(force, size, out=row)
+        return Placed(self, s, tuple(self.scaled.bounded(pressure, size).values()))
+
+    def slopes(self, stress: Array, pressure: Array, size: Array, choices: Choices | None = None) -> tuple[Jet, Choices]:
+        """h and its gradient dh/ds (N, d) = R^(1 - degree) dg/dsigma."""
+        data = self.scaled.values(pressure, size)
+        return self.jets(stress / size[:, None], list(data.values()), choices, second=False)
+
+    def gradient(self, stress: Array, pressure: Array, size: Array) -> Array:
+        """dh/ds (N, d) alone; nan where it is infinite, so that no level passes for a small share of it."""
+        found = self.slopes(stress, pressure, size)[0].gradient
+        assert found is not None
+        return np.where(np.isfinite(found), found, np.nan)
+
+    def hessian(self, stress: Array, pressure: Array, size: Array) -> Array:
+        """d^2h/ds^2 (N, d, d)."""
+        data = self.scaled.values(pressure, size)
+        found = self.jets(stress / size[:, None], list(data.values()), None, second=True)[0].hessian
+        assert found is not None
+        return found
+
+    def multiplier(self, given: Array, size: Array) -> Array:
+        """Multipliers of g (N,) as those of h: the slip is that times dh/ds."""
+        return given if self.scaled.degree == 1.0 else grown(given, size, self.scaled.degree - 1.0)
+
+    def own(self, multiplier: Array, size: Array) -> Array:
+        """The other way."""
+        return multiplier if self.scaled.degree == 1.0 else grown(multiplier, size, 1.0 - self.scaled.degree)
+
+
+@dataclass(frozen=True, eq=False)
+class Placed:
+    """Points of one level in units of their own: forces ``s`` (d, N), and each of the ``data`` (N,) with a bound of its rounding."""
+
+    level: Level
+    s: Array
+    data: tuple[tuple[Array, Array | float], ...]
+
+    def of(self, at: NDArray[np.intp]) -> Placed:
+        """Some of the points."""
+        data = tuple((v.take(at), b if isinstance(b, float) else b.take(at)) for v, b in self.data)
+        return Placed(self.level, self.s.take(at, axis=1), data)
+
+    def bounded(self) -> tuple[Array, Array]:
+        """h (N,) and a bound of its rounding."""
+        return self.level.bounds([*self.s, *(v for v, _ in self.data)], [*[0.0] * len(self.s), *(b for _, b in self.data)])
+
+    def rise(self) -> Array:
+        """As of the level."""
+        return -self.level.unstressed(*(v for v, _ in self.data))
+
+    def slopes(self) -> Array:
+        """dh/ds (d, N)."""
+        found = self.level.jets(self.s.T, [v for v, _ in self.data], None, second=False)[0].gradient
+        assert found is not None
+        return found.T
+
+
+def level_of(question: Increment) -> Level:
+    """The criterion of some increments."""
+    return level(question.g, question.law.force_symbols(), question.pressure_symbol)
+
+
+@lru_cache(maxsize=256)
+def level(g: sp.Expr, forces: tuple[sp.Symbol, ...], pressure: sp.Symbol | None) -> Level:
+    """``g`` over ``forces`` and ``pressure``, with numbers for parameters."""
+    found = scaled(g, forces, pressure)
+    names = (*forces, *found.data)
+    jets = formula(found.expr, forces, tuple(found.data))
+    unstressed = program(found.unstressed(forces), tuple(found.data))
+    return Level(found, len(forces), program(found.expr, names), bounded(found.expr, names), jets, unstressed)

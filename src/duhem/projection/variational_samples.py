@@ -22,13 +22,11 @@ from numpy.typing import NDArray
 from duhem.expression.rays import Rays, evenly_between
 from duhem.projection.extended_precision import as_pairs, close_look
 from duhem.projection.in_blocks import FEW_SEARCHED
-from duhem.projection.increment import Increment
+from duhem.projection.increment import Increment, Metric
 from duhem.projection.judge_kernel import FARTHEST
-from duhem.projection.metric import Metric
 from duhem.projection.result import ACCURACY, Array
 from duhem.projection.row_by_row import columns_times, dot, length, share, unit, widest
-from duhem.projection.scaled_formula import power_of_two
-from duhem.projection.scaled_yield_function import Level
+from duhem.projection.scaled_formula import Level, power_of_two
 
 __all__ = ["Variational", "beyond_tangents", "looks", "points_seen", "tangents", "tips"]
 

@@ -10,11 +10,10 @@ from typing import Any
 
 from duhem.errors import InputError
 from duhem.law.curve_law import Law
-from duhem.screening.campaign import Campaign, Claimed, Inquiry, VerdictLine, lines_of, number_of
+from duhem.screening.campaign import Campaign, Claimed, Inquiry, VerdictLine, given, lines_of, number_of
 from duhem.screening.file import Means, read
 from duhem.screening.increments import Increments, Project, Trials
 from duhem.screening.pool import Cluster, Pool
-from duhem.screening.rows import given
 from duhem.screening.summary import Counts, Summary
 from duhem.screening.table import GrowingLines, check_table, read_lines, stands, write_table
 

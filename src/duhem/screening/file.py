@@ -64,9 +64,8 @@ from duhem.law.criterion_file import SectionReader
 from duhem.law.curve_law import Law
 from duhem.law.placed_toml import Key, parsed, text_of
 from duhem.law.table_file import read_table
-from duhem.screening.campaign import Campaign, Claimed, Inquiry
+from duhem.screening.campaign import Campaign, Claimed, Draw, Given, Grid, Inquiry, LawName, RowBlock, Span, TableRows, cells_in_lines
 from duhem.screening.increments import Increments, Project, Trials
-from duhem.screening.rows import Draw, Given, Grid, LawName, RowBlock, Span, TableRows, cells_in_lines
 
 __all__ = ["KEYS", "Means", "read", "reads"]
 

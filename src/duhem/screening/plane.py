@@ -19,8 +19,7 @@ from duhem.errors import InputError, meant
 from duhem.expression.number import exact_number, nearest_double
 from duhem.law.catalogue import load
 from duhem.law.law_sheet import stress_powers, unit_in_words
-from duhem.screening.campaign import Campaign, VerdictLine
-from duhem.screening.rows import counted
+from duhem.screening.campaign import Campaign, VerdictLine, counted
 from duhem.screening.summary import Summary
 from duhem.screening.table import read_lines
 from duhem.show import figure

@@ -13,8 +13,7 @@ from dataclasses import dataclass
 from os import path
 from typing import Any, ClassVar
 
-from duhem.screening.campaign import Campaign, Claimed, VerdictLine
-from duhem.screening.rows import counted
+from duhem.screening.campaign import Campaign, Claimed, VerdictLine, counted
 from duhem.show.page import PAGE, Page, tied
 from duhem.show.printing import Sheet, Shown, plain, sheet, text
 

@@ -17,8 +17,7 @@ from duhem.testing.drawn.case import Case
 from duhem.testing.drawn.strategies import cases, decades, loadings, parameters, pressures, stiffnesses, trials, ways
 from duhem.testing.failures.failure import Failure
 from duhem.testing.failures.report import Report
-from duhem.testing.routines.material import Material, MaterialState, from_material
-from duhem.testing.routines.routine import Step, Update, from_displacements, pointwise
+from duhem.testing.routines import Material, MaterialState, Step, Update, from_displacements, from_material, pointwise
 
 __all__ = [
     "ACCURACY", "Case", "Check", "Failure", "Material", "MaterialState", "Report", "RoutineChecks", "Step", "Update", "assert_conforms",

@@ -34,11 +34,10 @@ from duhem.testing.checks.law_in_state import Places
 from duhem.testing.checks.query import NoReply
 from duhem.testing.checks.registry import Check, judged, registered
 from duhem.testing.drawn.case import Case
-from duhem.testing.drawn.options import ACCURACY, TRIES, RunOptions, check_share
+from duhem.testing.drawn.strategies import ACCURACY, TRIES, RunOptions, check_share
 from duhem.testing.drawn.values import Strategy
 from duhem.testing.failures.report import FAILED, MET, PASSED, SKIPPED, UNMET, Report
-from duhem.testing.routines.material import Material
-from duhem.testing.routines.routine import Step, Update, law_as_written, named
+from duhem.testing.routines import Material, Step, Update, law_as_written, named
 from duhem.testing.run import ConformanceRun
 
 __all__ = [

@@ -23,17 +23,14 @@ from duhem.testing.checks.history import HistoryQuery
 from duhem.testing.checks.law_in_state import LawInState, Places
 from duhem.testing.checks.query import NoReply, NothingToCheck, Query, Raised, named_by
 from duhem.testing.checks.registry import Check, Visited, judged, registered
-from duhem.testing.drawn.case import Case
-from duhem.testing.drawn.options import RunOptions, numbers
-from duhem.testing.drawn.region import Region
-from duhem.testing.drawn.strategies import cases, histories, pressures
+from duhem.testing.drawn.case import Case, Region
+from duhem.testing.drawn.strategies import RunOptions, cases, histories, numbers, pressures
 from duhem.testing.drawn.values import Strategy, admitted
 from duhem.testing.failures.diagnosis import IN_REGION, Regions, as_expected, by_cause, departure, diagnosed, instead, of_stress, region_of
 from duhem.testing.failures.failure import RAISED, Failure, drawn_again, least_case, shortened, simplified
 from duhem.testing.failures.report import Report
 from duhem.testing.failures.suggestions import needs_the_run
-from duhem.testing.routines.material import Material, stateless
-from duhem.testing.routines.routine import Origin, Unfinished, Update, named, origin
+from duhem.testing.routines import Material, Origin, Unfinished, Update, named, origin, stateless
 
 __all__ = ["ConformanceRun"]
 

@@ -29,7 +29,7 @@ from duhem.proof.facts.formula_subject import admitted_values
 from duhem.proof.verification import ClaimResult, verify
 from duhem.show.place import write
 from duhem.show.printing import Sheet, Shown, plain, sheet
-from duhem.testing.drawn.region import Region
+from duhem.testing.drawn.case import Region
 
 __all__ = ["TOLERANCE", "Differences", "Entry", "Project", "SnapshotFile", "differences", "snapshot"]
 

@@ -36,17 +36,10 @@ def export(law: str, settings: Sequence[str], language: str, out: str | None) ->
     if out is not None:
         check_place(out, [law])
 
+    from duhem.export.source_files import c_file, c_functions_of, fortran_file
     from duhem.proof.verification import verify
 
-    if fixed.variables:
-        from duhem.export.source_files import state_c_file as c_file
-        from duhem.export.source_files import state_fortran_file as fortran_file
-        from duhem.export.state_routine import state_routine as routine
-    else:
-        from duhem.export.routine import routine
-        from duhem.export.source_files import c_file, fortran_file
-
-    routine(fixed)  # what has none is not verified first
+    c_functions_of(fixed)  # what has none is not verified first
     with Progress() as progress:
         done = verify(fixed, on_claim=lambda result: progress.show(f"{result.claim} {result.verdict}"), on_method=progress.tries)
     text = {"c": c_file, "fortran": fortran_file}[language](done)

@@ -34,9 +34,9 @@ def init(name: str, scene: bool) -> None:
 def _content(stem: str, scene: bool) -> tuple[str, str]:
     """What to write, and what to do with it."""
     if scene:
-        from duhem.path import scene_keys
+        from duhem.path import scene_file
 
-        return scene_keys.template(stem), "run it with: duhem simulate"
+        return scene_file.template(stem), "run it with: duhem simulate"
     from duhem.law import catalogue
 
     return catalogue.template(stem), "verify it with: duhem verify"

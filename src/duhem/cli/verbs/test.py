@@ -33,8 +33,7 @@ from duhem.errors import InputError
 if TYPE_CHECKING:
     from duhem.testing.checks.registry import Check
     from duhem.testing.failures.report import Report
-    from duhem.testing.routines.material import Material
-    from duhem.testing.routines.routine import Unfinished
+    from duhem.testing.routines import Material, Unfinished
     from duhem.testing.run import ConformanceRun
 
     Routine = Callable[..., ConformanceRun]  # what makes its run
@@ -191,7 +190,7 @@ def _places(text: str, where: str) -> list[int]:
 def _material(subject: str, own: bool, of_umat: Mapping[str, Any], places: Mapping[str, list[int]], k: Any) -> Material | None:
     """The material that is named, or made of a UMAT; None for anything else."""
     from duhem.testing.foreign import umat
-    from duhem.testing.routines.material import Material
+    from duhem.testing.routines import Material
 
     if _is_umat(subject):
         return umat(subject, stiffness=k, **of_umat)
@@ -208,7 +207,7 @@ def _material(subject: str, own: bool, of_umat: Mapping[str, Any], places: Mappi
 
 def _is_umat(subject: str) -> bool:
     """Whether it is a source or a library."""
-    from duhem.testing.foreign.abaqus import SOURCES
+    from duhem.testing.foreign.shared import SOURCES
 
     return subject.lower().endswith(SOURCES + _LIBRARIES)
 
@@ -222,7 +221,7 @@ def _is_routine(subject: str) -> bool:
 
 def _most_flagged(given: str | None, own: bool) -> float:
     """The share of increments that may be flagged; InputError for what is none, or where duhem's own methods are tested."""
-    from duhem.testing.drawn.options import check_share
+    from duhem.testing.drawn.strategies import check_share
 
     if given is not None and not own:
         remedy = "remove it: duhem's methods flag what they cannot solve"
@@ -244,7 +243,7 @@ def _routines(
     """What is tested, by the name it is shown under; of the methods of duhem that do not take a law, why they do not."""
     from duhem.law.catalogue import load_formula
     from duhem.testing.conformance import PROMISED, own_solvers
-    from duhem.testing.drawn.options import ACCURACY
+    from duhem.testing.drawn.strategies import ACCURACY
     from duhem.testing.run import ConformanceRun
 
     values = {name: float(value) for name, value in read_settings(settings).items()} if own else {}

@@ -30,8 +30,7 @@ from duhem.errors import InputError
 if TYPE_CHECKING:
     from duhem.law.curve_law import Law
     from duhem.proof.verification import ClaimResult, Verification
-    from duhem.screening.campaign import VerdictLine
-    from duhem.screening.rows import LawName
+    from duhem.screening.campaign import LawName, VerdictLine
 
 __all__ = ["verify"]
 
@@ -255,9 +254,8 @@ def _verify_each(
     from duhem.expression.number import exact_text
     from duhem.law.criterion_file import expected_verdicts
     from duhem.proof.verification import wanted_claims
-    from duhem.screening.campaign import Campaign, Claimed
+    from duhem.screening.campaign import Campaign, Claimed, Given
     from duhem.screening.pool import Pool
-    from duhem.screening.rows import Given
 
     names = [_law_name(law) for law in laws]
     due = [_due(name.shown, name.law().expect if name.path is None else expected_verdicts(name.path), expected) for name in names]
@@ -287,7 +285,7 @@ def _verify_each(
 def _law_name(law: str) -> LawName:
     """A law for the process that asks it: what is wrong in a file is that row's fault, a name that is none is told at once."""
     from duhem.law import catalogue
-    from duhem.screening.rows import LawName
+    from duhem.screening.campaign import LawName
 
     if (file := catalogue.file_read(law)) is None:
         return LawName(law) if catalogue.shipped(law.strip().replace("_", "-")) else LawName(law, value=read_law(law))

@@ -20,10 +20,8 @@ from duhem.expression.jets import Choices
 from duhem.projection.result import Array
 from duhem.testing.checks.law_in_state import LawInState, LawStep
 from duhem.testing.checks.query import NEAR, Asked, NoReply, NothingToCheck, Query, Raised, Reply
-from duhem.testing.drawn.case import Case
-from duhem.testing.drawn.region import Region
-from duhem.testing.routines.material import ELASTIC, Material, MaterialState, advanced
-from duhem.testing.routines.routine import Step, Unfinished
+from duhem.testing.drawn.case import Case, Region
+from duhem.testing.routines import ELASTIC, Material, MaterialState, Step, Unfinished, advanced
 
 __all__ = ["FINER", "HistoryQuery"]
 

@@ -31,7 +31,7 @@ from duhem.path.state_step import Guess, StateFormula, StateLaw, StepEquations
 from duhem.projection.projector import Projector
 from duhem.projection.result import Array, Status
 from duhem.testing.checks.query import NEAR
-from duhem.testing.routines.material import Material, MaterialState
+from duhem.testing.routines import Material, MaterialState
 
 __all__ = ["Kept", "LawInState", "LawStep", "Places"]
 

@@ -23,7 +23,7 @@ from duhem.testing.checks.law_in_state import LawStep
 from duhem.testing.checks.query import NothingToCheck
 from duhem.testing.checks.registry import Finding, enter, register, registered, worst
 from duhem.testing.drawn.case import vector
-from duhem.testing.routines.material import MaterialState
+from duhem.testing.routines import MaterialState
 
 __all__: list[str] = []
 

@@ -32,12 +32,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from duhem.errors import words_of
-from duhem.projection.metric import factors
+from duhem.projection.increment import factors
 from duhem.projection.result import Array
-from duhem.testing.drawn.case import Case
-from duhem.testing.drawn.region import Region
-from duhem.testing.routines.material import shaped
-from duhem.testing.routines.routine import FormerAnswers, NoStep, Overwritten, Step, Unfinished, called
+from duhem.testing.drawn.case import Case, Region
+from duhem.testing.routines import FormerAnswers, NoStep, Overwritten, Step, Unfinished, called, shaped
 
 __all__ = ["NEAR", "UNMEASURED", "Asked", "NoReply", "NothingToCheck", "Query", "Raised", "Reply", "named_by"]
 

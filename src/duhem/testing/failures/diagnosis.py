@@ -33,11 +33,10 @@ from duhem.projection.result import Array, Status
 from duhem.testing.checks.history import HistoryQuery
 from duhem.testing.checks.query import NEAR, NoReply, Query, Reply
 from duhem.testing.checks.registry import Check, violated
-from duhem.testing.drawn.case import Case
-from duhem.testing.drawn.region import Region
+from duhem.testing.drawn.case import Case, Region
 from duhem.testing.failures.failure import Departure, Failure
 from duhem.testing.failures.state_suggestions import beside_in_state, of_the_state
-from duhem.testing.routines.routine import Origin
+from duhem.testing.routines import Origin
 
 __all__ = [
     "CAUSES", "CLEAR", "FREE_CAUSES", "IN_REGION", "Part", "Probe", "Regions", "as_expected", "by_cause", "constant", "departure",

@@ -34,7 +34,7 @@ from duhem.testing.checks.query import Raised
 from duhem.testing.checks.registry import Check
 from duhem.testing.drawn.case import Case, vector
 from duhem.testing.drawn.values import Strategy, scaled
-from duhem.testing.routines.routine import Origin, Unfinished
+from duhem.testing.routines import Origin, Unfinished
 
 __all__ = ["RAISED", "Departure", "Failure", "drawn_again", "least_case", "shortened", "simplified", "write_replays"]
 

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from duhem.projection.result import Array
 from duhem.testing.checks.query import NoReply
-from duhem.testing.drawn.region import Region
+from duhem.testing.drawn.case import Region
 from duhem.testing.failures.diagnosis import CLEAR, Probe, constant, suggested, suggests
 from duhem.testing.failures.state_suggestions import IMPRECISE, roots
 

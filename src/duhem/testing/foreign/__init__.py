@@ -12,10 +12,8 @@ from numpy.typing import ArrayLike
 
 from duhem.errors import InputError
 from duhem.projection.result import Array
-from duhem.testing.foreign.abaqus import umat
-from duhem.testing.foreign.shared import shared_library, shared_material
-from duhem.testing.routines.material import Material, MaterialState, from_material
-from duhem.testing.routines.routine import Step, Update
+from duhem.testing.foreign.shared import shared_library, shared_material, umat
+from duhem.testing.routines import Material, MaterialState, Step, Update, from_material
 
 __all__ = ["Material", "MaterialState", "from_material", "jax_routine", "mgis_material", "shared_library", "shared_material", "umat"]
 

@@ -1,30 +1,182 @@
-"""A marked routine as tests: a node a check, and one for what it flags; one run for all of them."""
+"""What pytest sees of duhem: criterion and scene files as tests, marked routines as tests, and the fixture of snapshots.
+
+A file has a node a claim, or one for a run.  A marked routine has a node a check, and one for what it flags; one run serves all of them.
+What cannot be asked is a test that errs: where a module or a run ended instead, the results of others would be hidden.
+"""
 
 from __future__ import annotations
 
-import hashlib
 import json
-from collections.abc import Callable, Iterator, Mapping, Sequence
+import os
+import re
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import fields
 from functools import cached_property
+from hashlib import sha256
 from inspect import CO_ASYNC_GENERATOR, CO_COROUTINE, getattr_static, signature
+from numbers import Real
 from pathlib import Path
 from types import FunctionType
-from typing import Any
+from typing import Any, TypeAlias
 
 import pytest
 
-from duhem.errors import DuhemError
+from duhem.errors import DuhemError, InputError
 from duhem.law.catalogue import load
+from duhem.law.curve_law import Law
+from duhem.law.placed_toml import parsed, text_of
+from duhem.path.scene import Scene
+from duhem.path.scene_file import MOST_BYTES, reads
+from duhem.path.simulate import parts
+from duhem.proof.report import sentences
+from duhem.proof.verdict import Verdict
+from duhem.proof.verification import Verification, verify, wanted_claims
+from duhem.show.page import Page
 from duhem.testing.conformance import check_expected, checks_asked, conformance
 from duhem.testing.drawn.case import Case
-from duhem.testing.drawn.options import RunOptions, check_share
+from duhem.testing.drawn.strategies import RunOptions, check_share
 from duhem.testing.failures.report import MET, PASSED, SKIPPED, UNMET, Report
-from duhem.testing.in_pytest.collected_files import UnusableTest, group, group_marks
-from duhem.testing.routines.routine import Update
+from duhem.testing.routines import Update
+from duhem.testing.snapshots import Entry, Project, SnapshotFile, differences, snapshot
 
-__all__ = ["PROFILES", "check_items", "checked", "names_of_checks"]
+__all__ = ["PROFILES", "TomlTests", "check_items", "checked", "compared", "names_of_checks"]
+
+LookedInto: TypeAlias = Callable[[Scene], Scene]
+"""As :func:`duhem.api.histories.looked_into`, which this room does not know."""
+
+
+class TomlTests(pytest.File):
+    """A criterion file or a scene; which of them, its tables say."""
+
+    def __init__(self, *, looked_into: LookedInto, **whole: Any) -> None:
+        super().__init__(**whole)
+        self.looked_into = looked_into
+
+    def collect(self) -> Iterator[pytest.Item]:
+        try:
+            text = text_of(self.path, "criterion or scene file", MOST_BYTES)
+            document = parsed(text, str(self.path)).document
+            if "criterion" in document:
+                self.law = load(self.path)
+                asked = self.config.getoption("--duhem-claims")
+                named = None if asked is None else dict.fromkeys(name.strip() for name in asked.split(",") if name.strip())
+                for claim in wanted_claims(named, self.law, "--duhem-claims"):
+                    yield ClaimTest.from_parent(self, name=claim)
+            elif "path" in document:
+                scene = reads(text, str(self.path), self.path.parent)
+                yield SceneTest.from_parent(self, name="simulate", scene=scene)
+            else:
+                remedy = "write a [criterion] (duhem init NAME) or a scene with a [path]"
+                raise InputError("this is neither a criterion file nor a scene", where=f"{self.path}", remedy=remedy)
+        except DuhemError as fault:
+            yield UnusableTest.from_parent(self, name="read", said=str(fault))
+
+    @cached_property
+    def verification(self) -> Verification | DuhemError:
+        """The verdicts on the claims that are selected, found once for all their nodes, or why there are none."""
+        claims = [item.name for item in self.session.items if item.parent is self]
+        try:
+            return verify(self.law, claims=claims, effort=self.config.getoption("--duhem-effort"))
+        except DuhemError as fault:
+            return fault
+
+
+class ClaimTest(pytest.Item):
+    """Whether a claim is proved of a law."""
+
+    parent: TomlTests
+
+    def __init__(self, **whole: Any) -> None:
+        super().__init__(**whole)
+        group(self, self.parent.nodeid)
+
+    def runtest(self) -> None:
+        found = self.parent.verification
+        if isinstance(found, DuhemError):
+            pytest.fail(str(found), pytrace=False)
+        result = found[self.name]
+        told = result.to_dict()
+        told |= {"witness": told["witness"] and json.dumps(told["witness"], sort_keys=True)}
+        parts = ("verdict", "method", "scope", "trust", "witness")
+        self.user_properties += [(f"duhem_{part}", told[part]) for part in parts if told[part] is not None]
+        if result.verdict is Verdict.PROVED:
+            return
+        if result.verdict is Verdict.NOT_APPLICABLE:
+            pytest.skip(result.detail)
+        said = f"{self.parent.law.name}: {result.claim} is {result.verdict}: {result.detail}"
+        said += "".join(f"\n  {line}" for sentence in sentences(result.witness) for line in Page(None).hanging(sentence))
+        undecided = self.config.getoption("--duhem-undecided") or self.config.getini("duhem_undecided")
+        if result.verdict is not Verdict.REFUTED and undecided == "xfail":
+            pytest.xfail(said)
+        pytest.fail(said, pytrace=False)
+
+    def reportinfo(self) -> tuple[Path, int | None, str]:
+        return self.path, None, f"{self.parent.law.name}: {self.name}"
+
+
+class SceneTest(pytest.Item):
+    """Whether a scene runs to its end without a step that is flagged; nothing is written."""
+
+    parent: TomlTests
+
+    def __init__(self, *, scene: Scene, **whole: Any) -> None:
+        super().__init__(**whole)
+        self.scene = scene
+        group(self, self.parent.nodeid)
+
+    def runtest(self) -> None:
+        try:
+            scene = self.parent.looked_into(self.scene)
+            if scene.many:
+                if ended := sum(part.ended_early() for part in parts(scene.batch(), scene.method, scene.threads)):
+                    pytest.fail(f"{ended} points end early, at a step without a reliable answer or outside a declared range", pytrace=False)
+                return
+            history = scene.run()
+        except DuhemError as fault:
+            pytest.fail(str(fault), pytrace=False)
+        self.user_properties += [("duhem_method", history.method), ("duhem_why", history.why)]
+
+    def reportinfo(self) -> tuple[Path, int | None, str]:
+        return self.path, None, f"{self.path.name}: simulate"
+
+
+# -- what the tests of duhem carry -------------------------------------------------------------------------------------
+
+
+def group(item: pytest.Item, name: str) -> None:
+    """Mark a test; with ``--dist loadgroup`` those of one ``name`` ask for one worker (xdist 3.8 splits them under pytest 9.2)."""
+    item.add_marker("duhem")
+    for mark in group_marks(item.config, name):
+        item.add_marker(mark)
+
+
+def group_marks(config: pytest.Config, name: str) -> list[pytest.MarkDecorator]:
+    """Return the marker of a group; none without xdist, which alone knows it."""
+    if not config.pluginmanager.hasplugin("xdist"):
+        return []
+    return [pytest.mark.xdist_group(re.sub(r"[][@]", "-", name))]  # xdist looks for brackets and @ itself
+
+
+class UnusableTest(pytest.Item):
+    """A marker or file of which no test can be made, and the line that says why."""
+
+    def __init__(self, *, said: str, line: int | None = None, **whole: Any) -> None:
+        super().__init__(**whole)
+        self.said, self.line = said, line
+        group(self, self.nodeid)
+
+    def setup(self) -> None:
+        pytest.fail(self.said, pytrace=False)
+
+    def runtest(self) -> None:
+        """There is nothing to run."""
+
+    def reportinfo(self) -> tuple[Path, int | None, str]:
+        return self.path, self.line, self.name
+
+
+# -- one routine with what its marker asks ----------------------------------------------------------------------------
 
 # as the arguments of :func:`duhem.testing.conformance`: cases of some 30 increments, and the seed where they repeat themselves;
 # those of duhem test
@@ -143,15 +295,15 @@ class Trial:
     @property
     def _key(self) -> str:
         asked = repr((self.node, self.law, self.parameters, sorted(self.options.items())))
-        return f"duhem/cases/{hashlib.sha256(asked.encode()).hexdigest()[:24]}"
+        return f"duhem/cases/{sha256(asked.encode()).hexdigest()[:24]}"
 
     @cached_property
     def _kept(self) -> dict[str, Case]:
         cache = getattr(self.config, "cache", None)  # there is none with -p no:cacheprovider
         kept: dict[str, Case] = {}
-        for name, parts in (cache.get(self._key, None) or {}).items() if cache is not None else ():
+        for name, given in (cache.get(self._key, None) or {}).items() if cache is not None else ():
             with suppress(KeyError, TypeError, ValueError):  # what another version has kept
-                kept[name] = Case(**parts)
+                kept[name] = Case(**given)
         return kept
 
     def _keep(self, report: Report) -> None:
@@ -300,3 +452,61 @@ def _shared(item: pytest.Item) -> str:
     others: Mapping[str, int] = {name: index for name, index in call.indices.items() if name != "duhem_check"}
     listed = "-".join(f"{name}{index}" for name, index in sorted(others.items()))
     return item.nodeid.partition("[")[0] + (f"[{listed}]" if listed else "")
+
+
+# -- the fixture duhem_snapshot ----------------------------------------------------------------------------------------
+
+_LONGEST = 100
+
+
+def compared(request: pytest.FixtureRequest, project: Project) -> Callable[..., Entry]:
+    """A function that compares a law, or keeps it where ``--duhem-update`` is given, and returns what was found.
+
+    The file is of the test with its classes, ``snapshots/test_m/TestX.test_a.json``, and an entry of the law with the values it
+    is given and the claims that are named.  The tolerance that the file states stays when it is written again.
+    """
+    test = request.node
+    folder = test.path.parent / "snapshots" / test.path.stem
+    classes = [each.name for each in test.listchain() if isinstance(each, pytest.Class)]
+    file = folder / f"{_short('.'.join([*classes, test.name]))}.json"
+    update = bool(test.config.getoption("--duhem-update"))
+    asked: dict[str, Entry] = {}
+
+    def compare(law: Law | str | Path, parameters: Mapping[str, Any] | None = None, claims: Iterable[str] | None = None) -> Entry:
+        __tracebackhide__ = True
+        named = (claims,) if isinstance(claims, str) else None if claims is None else tuple(claims)
+        key = _key(load(law).name, parameters, named)
+        shown = os.path.relpath(file, test.config.rootpath)
+        kept, lacking = SnapshotFile(), ""
+        try:
+            kept = SnapshotFile.read(file)
+            entry = {} if update else kept.entry(key, file)
+        except DuhemError as fault:
+            lacking = fault.what
+        if update:  # the tolerance is the owner's to change; that of a new file where it cannot be read
+            asked[key] = snapshot(law, project, parameters, claims=named)
+            file.parent.mkdir(parents=True, exist_ok=True)
+            SnapshotFile(asked, kept.tolerance).write(file)
+            return asked[key]
+        if lacking:  # told outside: what was raised names an option of the command, and pytest would show both
+            pytest.fail(f"{key}: {shown}: {lacking}; check the results and store them with --duhem-update", pytrace=False)
+        now = snapshot(law, project, parameters, claims=named, increments=entry["increments"])
+        if lines := differences(entry, now, kept.tolerance):
+            head = f"{key} is not as {shown} has it; if this is intended, store it with --duhem-update"
+            pytest.fail("\n  ".join([head, *lines]), pytrace=False)
+        return now
+
+    return compare
+
+
+def _short(name: str) -> str:
+    """A name as every file system takes it; what is cut off of a long one still tells it from others."""
+    plain = re.sub(r"[^A-Za-z0-9_.=+-]+", "-", name).strip("-")
+    return plain if len(plain) <= _LONGEST else f"{plain[: _LONGEST - 9]}-{sha256(name.encode()).hexdigest()[:8]}"
+
+
+def _key(name: str, parameters: Mapping[str, Any] | None, claims: Iterable[str] | None) -> str:
+    """A law with what it is given and asked, whatever the order: ``orthotropic, mu_a = 0.2, mu_b = 0.1, claims convexity origin``."""
+    values = ((each, float(value) if isinstance(value, Real) else value) for each, value in (parameters or {}).items())
+    asked = [] if claims is None else [" ".join(["claims", *sorted({*map(str, claims)})])]
+    return ", ".join([name, *sorted(f"{each} = {value}" for each, value in values), *asked])
