@@ -445,7 +445,6 @@ class DeviatoricReader(PlaneVariable):
             raise NotWritten("a choice is by something else")
         value = self.read(away)
         nothing = not self.within.polynomial(here) and self.within.facts(here).defined
-        bounded = not value.degree and self.within.constant(here) and self.within.facts(here).defined  # 0 in what is rho^k times it
-        if not bounded and (value.degree <= 0 or not (nothing or self.read(here).degree > 0)):
+        if value.degree <= 0 or not (nothing or self.read(here).degree > 0):
             raise NotWritten("a choice leaves a jump")
         return value
