@@ -5,11 +5,13 @@ from __future__ import annotations
 import json
 import math
 import re
+import tomllib
 from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import replace
 from fractions import Fraction
 from random import Random
+from typing import Any
 
 import numpy as np
 import pytest
@@ -68,7 +70,7 @@ TOLD = [
     (law("sqrt(a**2 + c**2) - (d + m*b)", {"c": ANY, "d": ANY, "m": ANY}), "smoothness",
         "a**2 + c**2", "may be 0", "ask for forces near K alone: a = { min = "),
     (law("-k*(1 + c*cos3theta(s)) + sqrt(3*J2(s))", {"k": POSITIVE, "c": Domain.between(0, "1/9")}, (), stress=Stress("s", "principal")),
-        "origin", "1/J2(s)**(3/2)", "at zero force", "write where(J2(s) > 0, cos3theta(s), 0) for cos3theta(s), if you mean 0 there"),
+        "origin", "1/J2(s)**(3/2)", "at zero force", "write -k + sqrt(3*J2(s))/(1 + c*cos3theta(s)) for"),
     (law("norm(a, b) - c*(1 + d*cos(4*atan2(b, a)))", {"c": POSITIVE, "d": Domain.between(0, 1)}), "origin",
         "1/norm(a, b)**4", "at zero force",
         "write where(norm(a, b) > 0, cos(4*atan2(b, a)), 0) for cos(4*atan2(b, a)), if you mean 0 there"),
@@ -111,8 +113,14 @@ def written_out(criterion: Criterion, text: str) -> str:
     return text
 
 
+def unquoted(action: str) -> str:
+    """Fractions without the marks that a criterion file needs."""
+    return re.sub(r'= "(-?\d+/\d+)"', r"= \1", action)
+
+
 def changed(criterion: Criterion, action: str) -> Criterion:
     """The law after what an action says."""
+    action = unquoted(action)
     more: dict[str, object] = {} if criterion.forces_of_rates else {"g": criterion.written, "written": ""}
     if found := re.match(r"narrow (\w+) to (?:(min|max) = (\S+)|what is > 0)", action):
         name, end, value = found.groups()
@@ -126,8 +134,6 @@ def changed(criterion: Criterion, action: str) -> Criterion:
     if action.startswith("ask for"):
         ranges = {name: dict(re.findall(r"(min|max) = ([^ ,}]+)", ends)) for name, ends in re.findall(r"(\w+) = \{ (.*?) \}", action)}
         more["domain"] = {**criterion.domain, **{name: Domain.between(ends.get("min"), ends.get("max")) for name, ends in ranges.items()}}
-    if action.startswith("ask for forces near K alone"):
-        more["domain"] = {x: Domain.between(low, high) for x, low, high in re.findall(r"(\w+) = \{ min = (\S+), max = (\S+) \}", action)}
     if found := re.match(r"write (.*) for (.*): K (?:stays|is) the same", action):
         new, old = (parse(written_out(criterion, text)) for text in found.groups())
         read = without_angles(parse(criterion.written))
@@ -174,7 +180,7 @@ IN_A_BOX = [  # K is not convex in the first two, and comes to a tip in the last
 @pytest.mark.parametrize("criterion", IN_A_BOX)
 def test_smoothness_is_shown_in_ranges_and_away_from_a_tip(criterion: Criterion) -> None:
     """What is told is followed, and |g| + |grad g| looked at in floats over the ranges that are told."""
-    (told,) = opened(criterion, "smoothness").actions
+    (told,) = map(unquoted, opened(criterion, "smoothness").actions)
     box = {x: Domain.between(low, high) for x, low, high in re.findall(r"(\w+) = \{ min = (\S+), max = (\S+) \}", told)}
     g = criterion.written
     if moved := re.search(r"write (\w+) ([+-]) (\w+) for \w+, with the parameter \w+ = \{ value = (\S+) \}", told):
@@ -678,3 +684,9 @@ def test_no_more_is_tried_when_the_purse_is_empty() -> None:
     for steps, told in ((0, []), (trials._IN_ALL, ['add the constraint "w < e"'])):
         found = that_help("smoothness", text, frozenset({"convexity"}), part, list, tried=trials.Attempts(steps))
         assert [action.split(" (")[0] for action in found] == told
+
+
+@pytest.mark.parametrize(("x", "said"), [(Fraction(11, 2), '"11/2"'), (Fraction(3), "3"), ("-3/200", '"-3/200"'), ("0.25", "0.25")])
+def test_a_number_is_told_as_a_criterion_file_has_it(x: Any, said: str) -> None:
+    assert trials._in_a_file(x) == said
+    assert Domain.between(tomllib.loads(f"min = {said}")["min"], None).low == sp.Rational(str(x))

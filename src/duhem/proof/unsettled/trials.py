@@ -223,10 +223,10 @@ def _moved(law: Text, part: frozenset[str], box: Text | None = None) -> Iterator
             size = max(abs(Fraction(value)) for value in own.values()) / _A_SHARE if box else None
             moved = in_text(g.put({x: sum_of(x, end if sign == "+" else minus(end))}), {})
             told = f"write {force} {sign} {end.name} for {force}, with the parameter {end.name} = "
-            told += f"{{ value = {size} }}" if box else "{ positive = true }"
+            told += f"{{ value = {_in_a_file(size)} }}" if box else "{ positive = true }"
             told += "" if force in ranges else f" and {force} = {{ min = 0 }} in the section [domain]"
             declared = {**law["parameters"], end.name: {"value": f"{size}"} if box else {"positive": True}}
-            where = f"farther from 0 than {size}" if box else "not 0"
+            where = f"farther from 0 than {size}, in these ranges" if box else "not 0"
             changed = {**law, "g": moved, "parameters": declared, "domain": {**ranges, force: own}}
             yield f"{told}: what is proved then is so of K wherever {force} is {where}", changed
 
@@ -261,7 +261,7 @@ def _boxed(law: Text, part: frozenset[str], known: Sequence[Choice], ranges: Cal
                 fewer = {name: value for name, value in values.items() if name != x}
                 if asked(freed := {**_with(base, fewer), "domain": box}, rules=rules):
                     values, boxed = fewer, freed
-            near = " and ".join(f"{x} = {{ min = {own['min']}, max = {own['max']} }}" for x, own in box.items())
+            near = " and ".join(f"{x} = {{ min = {_in_a_file(own['min'])}, max = {_in_a_file(own['max'])} }}" for x, own in box.items())
             said = f"ask for forces near K alone: {near} in the section [domain]"
             said = " and ".join(filter(None, (said, settings(values), told)))
             return [said if told else asked.keep(said, boxed)]
@@ -292,6 +292,11 @@ def _said(told: str, values: Choice, verdict: Verdict) -> str:
 def settings(values: Mapping[str, Any]) -> str:
     """As the command line has them."""
     return " ".join(f"--set {name}={value}" for name, value in values.items())
+
+
+def _in_a_file(x: Any) -> str:
+    """A number as a criterion file has it: a fraction as text."""
+    return f'"{x}"' if "/" in f"{x}" else f"{x}"
 
 
 def _narrowed(law: Text, names: Sequence[str], known: Sequence[Choice], others: Choice, asked: _Asked) -> list[str]:
@@ -350,9 +355,9 @@ def _narrower(domain: Text, values: Sequence[Fraction]) -> Iterator[tuple[dict[s
     beyond = Fraction(1) if own.low is None or own.low < 1 else own.low + 1
     middle = beyond if own.low is None or own.high is None else (own.low + own.high) / 2
     for end in (end for end in dict.fromkeys((middle, *values, Fraction(0))) if own.holds(end) and end not in (own.low, own.high)):
-        yield {"min": str(end), **({} if own.high is None else {"max": str(own.high)})}, f"min = {end}"
+        yield {"min": str(end), **({} if own.high is None else {"max": str(own.high)})}, f"min = {_in_a_file(end)}"
         below = {"positive": True} if own.open and own.low == 0 else {} if own.low is None else {"min": str(own.low)}
-        yield {**below, "max": str(end)}, f"max = {end}"
+        yield {**below, "max": str(end)}, f"max = {_in_a_file(end)}"
 
 
 def _plain(domain: Text) -> Iterator[Fraction]:
