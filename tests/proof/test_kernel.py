@@ -271,7 +271,8 @@ def test_terms_are_values() -> None:
 
 
 @pytest.mark.parametrize(
-    ("text", "same"), [("x*x", "x**2"), ("2*x*y*x*x", "2*x**3*y"), ("(a + b)*(a + b)", "(a + b)**2"), ("2*2*x", "2**2*x"), ("-x*x", "-x**2")]
+    ("text", "same"),
+    [("x*x", "x**2"), ("2*x*y*x*x", "2*x**3*y"), ("(a + b)*(a + b)", "(a + b)**2"), ("-x*x", "-x**2")],
 )
 def test_equal_factors_are_read_as_a_power(text: str, same: str) -> None:
     assert parse(text) == parse(same)
