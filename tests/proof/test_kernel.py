@@ -9,7 +9,8 @@ from typing import Any
 import pytest
 
 from duhem import POSITIVE as POSITIVE_DOMAIN
-from duhem import Criterion, verify
+from duhem import Criterion, Domain, verify
+from duhem.proof.certificate import law_as_text
 from duhem.proof.kernel import claims as kernel_claims
 from duhem.proof.kernel import curvature
 from duhem.proof.kernel.bounds import Facts
@@ -267,3 +268,25 @@ def test_a_wrong_rule_is_caught(name: str, monkeypatch: pytest.MonkeyPatch) -> N
 
 def test_terms_are_values() -> None:
     assert parse("a + b*2") == parse(" a+b * 2.0 ") and hash(parse("a")) == hash(Term("name", name="a"))
+
+
+@pytest.mark.parametrize(
+    ("text", "same"),
+    [("x*x", "x**2"), ("2*x*y*x*x", "2*x**3*y"), ("(a + b)*(a + b)", "(a + b)**2"), ("-x*x", "-x**2")],
+)
+def test_equal_factors_are_read_as_a_power(text: str, same: str) -> None:
+    assert parse(text) == parse(same)
+
+
+@pytest.mark.parametrize("text", ["x/x", "x*x**(-1)", "sqrt(x)*sqrt(x)"])
+def test_no_factors_are_joined_that_may_have_no_value(text: str) -> None:
+    law = StatedLaw.read(law_as_text(Criterion("k", "x - 1", {}, ("x",), None)))
+    assert not over(law).facts(parse(text)).defined
+
+
+@pytest.mark.parametrize("square", ["({0})**2", "({0})*({0})"])
+def test_a_square_may_be_written_as_a_product(square: str) -> None:
+    """The distance from a centre that moves with the parameters: multiplied out, no rule sees that it is one."""
+    g = "sqrt(" + " + ".join(square.format(x) for x in ("x - a", "y - b*x", "z - a*b + x")) + ") - m"
+    law = Criterion("k", g, {"m": POSITIVE_DOMAIN, "a": Domain(), "b": Domain()}, ("x", "y", "z"), None)
+    assert verify(law, claims=["convexity"], effort="quick")["convexity"].trust == "checked"

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
+from itertools import product
 
 import mpmath
 import pytest
@@ -140,7 +141,7 @@ FORMULAS = [
     ("abs(max(a, b)) + max(a, b)", ">= convex"), ("abs(max(a, b)) - max(a, b)", ">="), ("abs(min(a, b)) - min(a, b)", ">= convex"),
     ("abs(min(a, b)) + min(a, b)", ">="), ("pos(a) + pos(b) - 2*neg(b) - 2*neg(a)", "?"), ("abs(a) - 2*abs(b)", "?"),
     ("m*abs(a)", ">= convex"), ("k*abs(a)", "<= concave"), ("q*abs(a)", "?"), ("e*abs(a)", ">= convex"), ("q*a", "? affine"),
-    ("k*a", "? affine"), ("a*b", "?"), ("a*a", "?"), ("abs(a)*abs(b)", ">="), ("abs(a)*(-1 - abs(b))", "<="), ("0*a*b", "="),
+    ("k*a", "? affine"), ("a*b", "?"), ("a*a", ">= convex"), ("abs(a)*abs(b)", ">="), ("abs(a)*(-1 - abs(b))", "<="), ("0*a*b", "="),
     ("m*k*log(1 + abs(a))", "<="), ("m*log(1 + abs(a))", ">= quasiconvex"), ("-m*min(a, b)", "? convex"),
     ("(e - e)*a**3", "= quasiconvex"), ("a**3*q", "?"), ("a**3*k", "?"), ("log(e)*a", "? affine undefined"), ("a*log(m)", "? affine"),
     ("-2*(a - b)*k*m", "? affine"), ("tan(0*a)", "= affine"),
@@ -266,7 +267,7 @@ REGIONS: list[tuple[dict[str, bool], list[tuple[str, str]]]] = [
         ("a + b", "? affine"), ("2*a/m", ">= affine"), ("sqrt(a)", ">= concave quasiconvex"), ("a**e", ">="),
         ("a**(1/2)*b", "?"), ("log(a)", "? concave quasiconvex undefined"), ("log(a + 1)", ">= concave quasiconvex"),
         ("log(1 + a)", ">= concave quasiconvex"), ("log(1 + m*a)", ">= concave quasiconvex"), ("a*log(a)", "? undefined"),
-        ("a**2", ">= convex"), ("a**3", ">= convex"), ("abs(a)", ">= affine"), ("1/(1 + a)", ">"), ("a**p", ">= convex"),
+        ("a**2", ">= convex"), ("a**3", ">= convex"), ("abs(a)", ">= affine"), ("1/(1 + a)", "> convex"), ("a**p", ">= convex"),
         ("(2*a + 1)**(1/3)", "> concave quasiconvex"), ("-sqrt(a)", "<= convex"), ("sqrt(a)*log(a + 1)", ">="),
         ("sqrt(a + a**2)", ">= quasiconvex"), ("a - a", "? affine"), ("0*a + 1", "> affine"),
     ]),
@@ -276,8 +277,8 @@ REGIONS: list[tuple[dict[str, bool], list[tuple[str, str]]]] = [
         ("log(a + 1)", "> concave quasiconvex"), ("log(e*a)", "? concave quasiconvex undefined"),
         ("log(-a)", "< concave quasiconvex undefined"), ("a*log(a)", "? convex"), ("2*a*log(a/m)", "? convex"), ("a*log(a + 1)", ">"),
         ("(a + 1)*log(a + 1)", "> convex"), ("(a + 1)*log(a)", "?"), ("m*a*log(3*a)", "? convex"), ("-a*log(a)", "? concave"),
-        ("q*a*log(a)", "?"), ("e*a*log(a)", "? convex"), ("-2*a*log(3*a)*k", "? convex"), ("b*log(a)", "?"), ("log(a)*log(a)", "?"),
-        ("a*log(abs(a))", "?"), ("a*b*log(a)", "?"), ("1/a", ">"), ("a**-1", ">"), ("a**(1/2)", "> concave quasiconvex"),
+        ("q*a*log(a)", "?"), ("e*a*log(a)", "? convex"), ("-2*a*log(3*a)*k", "? convex"), ("b*log(a)", "?"), ("log(a)*log(a)", ">="),
+        ("a*log(abs(a))", "?"), ("a*b*log(a)", "?"), ("1/a", "> convex"), ("a**-1", "> convex"), ("a**(1/2)", "> concave quasiconvex"),
         ("sqrt(a)", "> concave quasiconvex"),
     ]),
     ({"a": False, "b": False}, [
@@ -324,7 +325,7 @@ REGIONS: list[tuple[dict[str, bool], list[tuple[str, str]]]] = [
         ("a + b - m", ">= affine"), ("m*(2*a + 2*b) - m", "? affine"), ("3*m - a - b", ">= affine"),
         ("sqrt((a + b - m)*(3*m - a - b))", ">= concave"), ("(a + b - m)*(3*m - a - b) - m**2", "? concave"),
         ("log(a + b)", "? concave quasiconvex"), ("log(a + b - m)", "? concave quasiconvex undefined"),
-        ("sqrt(a + b - m)", ">= concave quasiconvex"), ("1/(a + b)", ">"), ("a + b - 2*m", "? affine"),
+        ("sqrt(a + b - m)", ">= concave quasiconvex"), ("1/(a + b)", "> convex"), ("a + b - 2*m", "? affine"),
         ("(a + b - m) - (a + b - m)**2/(2*m)", ">= concave"), ("(a + b - m) - (a + b - m)**2/(1.99*m)", "? concave"),
         ("(a + b - m) - (a - b - m)**2/(2*m)", "? concave"),
     ]),
@@ -337,3 +338,34 @@ ASIDE = [(sides, *row) for sides, rows in REGIONS for row in rows]
 @pytest.mark.parametrize(("sides", "text", "expected"), mostly_slow(ASIDE, *ASIDE[::5]))
 def test_what_is_shown_where_loads_are_not_negative(sides: dict[str, bool], text: str, expected: str) -> None:
     assert said(domain(sides).facts(parse(text))) == expected
+
+
+# -- hyperbolas ---------------------------------------------------------------------------------------------------------
+
+
+def _curved(text: str) -> tuple[bool, bool]:
+    """Whether u/v of a >= 0 is shown to be convex, and concave."""
+    found = domain({"a": False}).facts(parse(text))
+    return found.convex, found.concave
+
+
+def test_an_affine_formula_over_another_is_convex_or_concave() -> None:
+    """By the sign of its second derivative, 2 r (q r - p w)/(r a + w)^3 for (p a + q)/(r a + w), where the denominator is > 0 or < 0."""
+    for p, q, r, w in product((-2, -1, 0, 3), (-3, 0, 2), (-1, 1, 2), (-2, 1, 5)):
+        shown = _curved(f"({p}*a + {q})/({r}*a + {w})")
+        known = r * w > 0  # of one sign for a >= 0
+        bend = r * (q * r - p * w) * (1 if w > 0 else -1)
+        assert (shown == (known and bend > 0, known and bend < 0)) if bend else (known or not any(shown)), (p, q, r, w)
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        ("1/(1 + a)", (True, False)), ("(1 + a)**(-2)", (True, False)), ("(1 + a)**(-1/2)", (True, False)), ("1/(1 + sqrt(a))", (True, False)),
+        ("1/(1 + a**2)", (False, False)), ("1/a", (False, False)), ("1/(a - 1)", (False, False)), ("a/(1 + a**2)", (False, False)),
+        ("a**2/(1 + a)", (True, False)), ("a/(1 + a)", (False, True)), ("-3*a/(2 + 5*a)", (True, False)), ("(a + b)/(1 + a)", (False, False)),
+        ("(2*a + 2*b + 7)/(a + b + 1 + 0*a)", (False, False)),
+    ],
+)  # fmt: skip
+def test_a_power_below_0_of_what_is_concave_and_above_0_is_convex(text: str, expected: tuple[bool, bool]) -> None:
+    assert _curved(text) == expected

@@ -26,7 +26,7 @@ from duhem.proof.kernel.constant_value import RISING, below_right
 from duhem.proof.kernel.definedness import has_value
 from duhem.proof.kernel.deviatoric import convex_in_deviator
 from duhem.proof.kernel.domain import ANY, NEGATIVE, POSITIVE, ZERO, Sign, StatedDomain
-from duhem.proof.kernel.forms import apart, degree_at_most, multiple, quadratic, sign_within
+from duhem.proof.kernel.forms import affine, apart, degree_at_most, multiple, quadratic, sign_within
 from duhem.proof.kernel.normal_form import normal
 from duhem.proof.kernel.polynomial import written
 from duhem.proof.kernel.profiles import closed_at_its_end, convex_with_exponential_ramps, scaled, shape_of_two
@@ -206,7 +206,8 @@ def _product(term: Term, parts: list[Facts], domain: StatedDomain) -> Facts:
             return Facts(defined, sign)
         f, g = (a for a in term.args if not domain.constant(a))
         logarithmic = any(_size_by_its_logarithm(a, b, domain) for a, b in ((f, g), (g, f)))
-        way = POSITIVE if logarithmic else _square_over_load(f, g, domain) or _square_over_load(g, f, domain)
+        over_loads = (of(a, b, domain) for of in (_square_over_load, _affine_over_load) for a, b in ((f, g), (g, f)))
+        way = POSITIVE if logarithmic else next(filter(None, over_loads), 0)
         shape = (way == POSITIVE, way == NEGATIVE) if way else shape_of_two(f, g, domain)
         convex, concave = scaled(shape, scale)
         return Facts(defined, sign, convex, concave, convex)
@@ -278,6 +279,26 @@ def _square_over_load(square: Term, under: Term, domain: StatedDomain) -> Sign:
     return load.sign if shaped else 0
 
 
+def _affine_over_load(part: Term, under: Term, domain: StatedDomain) -> Sign:
+    """POSITIVE where u/v = a + b/v is convex, NEGATIVE where it is concave, for affine u = a v + b and v != 0; 0 for others.
+
+    1/v is convex for v > 0 and concave for v < 0.
+    """
+    load = domain.facts(under.args[0]) if under.op == "**" and under.args[1] == number(-1) else Facts(False)
+    if not (load.affine and load.sign in (POSITIVE, NEGATIVE) and domain.facts(part).affine):
+        return 0
+    with suppress(NotWritten):
+        (u, c), (v, d) = (affine(x, domain.law.forces, domain) for x in (part, under.args[0]))
+        steep = next((k for k, x in enumerate(v) if domain.facts(x).sign in (POSITIVE, NEGATIVE)), None)
+        if steep is None or not all(domain.constant(x) for x in (*u, c, *v, d)):
+            return 0
+        rests = [sum_of(product_of(x, v[steep]), minus(product_of(u[steep], y))) for x, y in zip((*u, c), (*v, d), strict=True)]
+        if not any(domain.polynomial(rest) for rest in rests[:-1]):
+            sign = reduce(signs_of_product, (domain.facts(x).sign for x in (rests[-1], v[steep])), load.sign)
+            return POSITIVE if not sign & NEGATIVE else NEGATIVE if not sign & POSITIVE else 0
+    return 0
+
+
 def _greatest(parts: list[Facts]) -> Facts:
     together = reduce(or_, (p.sign for p in parts))
     if any(p.sign == POSITIVE for p in parts):
@@ -299,6 +320,8 @@ def _power(term: Term, domain: StatedDomain) -> Facts:
         return base
     if not domain.constant(term.args[1]):
         return Facts(defined, POSITIVE if base.sign == POSITIVE else ANY)
+    if exponent.sign == NEGATIVE and base.sign == POSITIVE and base.concave:  # Boyd, Vandenberghe (2004), 3.2.4
+        return Facts(defined, POSITIVE, True, False, True)
     if whole and p and p % 2 == 0:
         sign = signs_of_product(base.sign, base.sign) if base.sign != ANY else ZERO | POSITIVE
         return Facts(defined, sign, p > 0 and base.convex_in_size, False, p > 0 and base.convex_in_size)

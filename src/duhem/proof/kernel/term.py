@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import re
 import unicodedata
+from collections import Counter
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from fractions import Fraction
 from typing import NamedTuple
@@ -305,7 +306,8 @@ def _product(tokens: list[str], at: int, depth: int) -> tuple[Term, int]:
         sign = tokens[at]
         term, at = _signed(_power, tokens, at + 1, depth)
         factors.append(term if sign == "*" else Term("**", (term, number(-1))))
-    return (factors[0] if len(factors) == 1 else Term("*", tuple(factors))), at
+    powers = tuple(x if n == 1 else Term("**", (x, number(n))) for x, n in Counter(factors).items())  # x x is x**2
+    return (powers[0] if len(powers) == 1 else Term("*", powers)), at
 
 
 def _power(tokens: list[str], at: int, depth: int) -> tuple[Term, int]:
