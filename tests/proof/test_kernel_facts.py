@@ -361,9 +361,11 @@ def test_an_affine_formula_over_another_is_convex_or_concave() -> None:
 @pytest.mark.parametrize(
     ("text", "expected"),
     [
-        ("1/(1 + a)", (True, False)), ("(1 + a)**(-2)", (True, False)), ("(1 + a)**(-1/2)", (True, False)), ("1/(1 + sqrt(a))", (True, False)),
+        ("1/(1 + a)", (True, False)), ("(1 + a)**(-2)", (True, False)), ("(1 + a)**(-1/2)", (True, False)),
+        ("1/(1 + sqrt(a))", (True, False)),
         ("1/(1 + a**2)", (False, False)), ("1/a", (False, False)), ("1/(a - 1)", (False, False)), ("a/(1 + a**2)", (False, False)),
-        ("a**2/(1 + a)", (True, False)), ("a/(1 + a)", (False, True)), ("-3*a/(2 + 5*a)", (True, False)), ("(a + b)/(1 + a)", (False, False)),
+        ("a**2/(1 + a)", (True, False)), ("a/(1 + a)", (False, True)), ("-3*a/(2 + 5*a)", (True, False)),
+        ("(a + b)/(1 + a)", (False, False)),
         ("(2*a + 2*b + 7)/(a + b + 1 + 0*a)", (False, False)),
     ],
 )  # fmt: skip

@@ -538,7 +538,7 @@ def level_of(criterion: Criterion, a: float, b: float) -> float:
 def test_the_middle_of_a_range_is_tried_before_its_ends_and_what_is_proved_at_it_up_to_an_end() -> None:
     assert next(iter(trials._plain({"min": "2/3", "max": "1"}))) == F83 and [*trials._plain({"min": "0", "max": "3"})][-2:] == [3, 0]
     told = [words for _, words in trials._narrower({"min": "2/3", "max": "1"}, [F83])]
-    assert {"min = 83/100", "max = 83/100", "min = 5/6"} <= {*told}
+    assert {'min = "83/100"', 'max = "83/100"', 'min = "5/6"'} <= {*told}
 
 
 def test_a_value_at_a_tip_with_which_a_claim_is_refuted_is_suggested() -> None:
