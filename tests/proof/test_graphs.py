@@ -149,6 +149,7 @@ def chain(step: str, n: int = 40, last: str = "a{n} - 3", **more: Any) -> dict[s
 STEPS = [
     "pos({0}) + neg({0})", "{0} + {0}", "{0}*{0}", "softplus({0}) + softplus(-{0})", "norm({0}, {0} + 1)", "max({0}, 2*{0})",
     "where({0} > 1, {0}, 2*{0})", "({0})**2 - ({0})", "sqrt(1 + {0}*{0})", "atan2({0}, {0} + 1)", "1/(1 + {0}*{0})", "cos({0}*{0})",
+    "{0}*(1 + {0})", "sqrt(1 + {0}*(1 + {0}))", "1/(1 + {0}*pos({0}))", "cos({0}*(1 - {0}))",
     "log(1 + exp({0}) + exp(-{0})*exp({0}))", "eigmax({0}, {0}, {0}, {0}, {0}, {0})", "abs({0}) - {0}", "{0}*log({0})",
 ]  # fmt: skip
 
@@ -157,7 +158,7 @@ STEPS = [
 def test_no_rule_goes_through_a_graph_as_a_tree(step: str) -> None:
     """Written out, each has 2^40 parts and more; within so many steps every rule has ended."""
     stated, settled = StatedLaw.read(chain(step)), set[str]()
-    assert stated.g.large
+    assert stated.g.large or "{0}*{0}" in step  # which is read as a power, and is no graph then
     for claim in ("origin", "convexity", "smoothness", "normality", "dissipation"):
         for rule in rules_of(claim, stated):
             with within(3_000_000):
