@@ -75,7 +75,7 @@ def that_help(
 
     ``choices`` gives values of the free parameters at which it is tried, and of plain ones those at which K is not empty, for of an
     empty K much is proved.  ``forms`` are other forms of g with the same K.  At the values that are tried ``first`` the claim may fail.
-    ``ranges`` gives ranges of two forces that hold K at some values, or nothing.
+    ``ranges`` gives ranges of two forces around the boundary that is found at some values, or nothing.
     """
     asked = _Asked(claim, law, settled, decide, tried or Attempts())
     refuted = [_said("", choice, Verdict.REFUTED) for choice in first if asked.decided(_with(law, choice)) is Verdict.REFUTED]
@@ -248,8 +248,9 @@ def _settling(
 
 
 def _boxed(law: Text, part: frozenset[str], known: Sequence[Choice], ranges: Callable[[Choice], Text], asked: _Asked) -> list[str]:
-    """Ranges of both forces in which K is shown to be convex by enclosures, at all values of the parameters or at plain ones; or to be
-    smooth, perhaps away from a tip, at as few of these as may be.
+    """Ranges of both forces in which enclosures show the claim, at all values of the parameters or at plain ones.
+
+    K is smooth there, or is so away from a tip, with as few of these values as may be.
     """
     smooth, rules = asked.claim == "smoothness", ("curvature-in-a-box",)
     for values in ({}, *known[:_MOST_BOXED]) if asked.claim in ("convexity", "smoothness", "normality", "dissipation") else ():
