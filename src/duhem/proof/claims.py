@@ -275,10 +275,10 @@ A boundary curve is C^1 if it does not cross itself (it is convex, or T x T' > 0
             DEAR,
             Finder(FormulaSubject, evidence.smoothness_by_identities),
             ProofMethod(FormulaSubject, evidence.smoothness_on_boundary),
-            Finder(FormulaSubject, evidence.convexity_in_a_box),
+            Finder(FormulaSubject, evidence.smoothness_in_a_box),
             OF_GRAPH,
             ProofMethod(GraphSubject, refuters.smoothness_at_corners),
-            Finder(GraphSubject, evidence.convexity_in_a_box),
+            Finder(GraphSubject, evidence.smoothness_in_a_box),
         ),
     ),
     Claim(

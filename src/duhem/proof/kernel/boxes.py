@@ -16,12 +16,13 @@ it is written, in which large parts cancel (the same).  The coefficients d_ij ar
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from fractions import Fraction
 from functools import cache, partial, reduce
 from itertools import product
 from math import perm
+from typing import TypeAlias
 
 from duhem.proof.kernel.bounds import NEGATIVE, POSITIVE, ZERO, Bounds
 from duhem.proof.kernel.constant_value import Enclosure, enclosed, exact_value
@@ -31,7 +32,7 @@ from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.kernel.steps import pay
 from duhem.proof.kernel.term import NotWritten, Term, number, parse
 
-__all__ = ["TaylorForm", "coefficients", "convex_in_its_box"]
+__all__ = ["TaylorForm", "coefficients", "convex_in_its_box", "smooth_in_its_box"]
 
 # -- a polynomial in a part of a box -----------------------------------------------------------------------------------
 
@@ -124,36 +125,55 @@ _X, _E, _SOFTPLUS = Term("name", name="x"), Term("name", name="exponent of x"), 
 _Box = Mapping[str, Enclosure]
 _Jet = tuple[Enclosure, ...]  # slopes by both forces; second derivatives by the first alone, by both, by the second alone
 _STILL: _Jet = (_ZERO,) * 5
+_Found: TypeAlias = "_Derivatives | TaylorForm"
 
 
-def convex_in_its_box(law: StatedLaw, convex: bool = True) -> bool:
-    """Whether the above is shown of g; c is 0, the middle of the ranges, or a half or less of that.  Or that grad g is not 0, alone."""
-    sides = {**law.parameters, **dict(law.ranges)}
-    names = sorted({*law.g.names(), *law.forces} - {"pi"})
-    if len(law.forces) != 2 or law.viscous or law.of_rates:
+def convex_in_its_box(law: StatedLaw) -> bool:
+    """Whether the above is shown of g; c is 0, the middle of the ranges, which all have 0 in them, or a half or less of that."""
+    if (whole := _whole(law)) is None:
         return False
-    whole = {name: _side(sides.get(name, Bounds(None, None))) for name in names}
-    of, middle = None, {x: (whole[x].low + whole[x].high) // 2 for x in law.forces}
-    with suppress(ValueError, ZeroDivisionError, NotWritten):
-        of = coefficients(law.g, law.forces)
+    middle = {x: (whole[x].low + whole[x].high) // 2 for x in law.forces}
     zero = [dict.fromkeys(law.forces, _ZERO)] if all(whole[x].sign & ZERO for x in law.forces) else []
-    places = (*zero, *({x: Enclosure(y >> k, y >> k) for x, y in middle.items()} for k in range(_NEARER)))
-    c = next((here for here in places if convex and _is_shown(law, here, {**whole, **here}, of)), None)
-    if convex and c is None:
-        return False
+    for c in (*zero, *({x: Enclosure(y >> k, y >> k) for x, y in middle.items()} for k in range(_NEARER))):
+        with suppress(ValueError, ZeroDivisionError):
+            if enclosed(law.g, {**whole, **c}).sign == NEGATIVE:
+                return _shown_in_all_parts(law, whole, partial(_curves_about, law, c))
+    return False
+
+
+def smooth_in_its_box(law: StatedLaw) -> bool:
+    """Whether grad g is continuous and not 0 wherever g = 0."""
+    return (whole := _whole(law)) is not None and _shown_in_all_parts(law, whole, partial(_has_a_slope, law))
+
+
+def _whole(law: StatedLaw) -> dict[str, Enclosure] | None:
+    """The ranges of all names; None of a law that is not one of two stresses, NotWritten where a name has no range."""
+    if len(law.forces) != 2 or law.viscous or law.of_rates:
+        return None
+    sides = {**law.parameters, **dict(law.ranges)}
+    return {name: _side(sides.get(name, Bounds(None, None))) for name in sorted({*law.g.names(), *law.forces} - {"pi"})}
+
+
+def _shown_in_all_parts(law: StatedLaw, whole: dict[str, Enclosure], shown: Callable[[_Box, _Found], bool]) -> bool:
+    """Whether something is shown in each part of the box, or in both halves of one in which it is not, and so on."""
+    of: _Coefficients | None = None
+    with suppress(ValueError, ZeroDivisionError, NotWritten):
+        of = coefficients(law.g, law.forces)  # where g is a polynomial of the two forces alone
     boxes, count = [whole], sum(1 for _ in law.g.parts())
     for _ in range(_MOST_BOXES):
         if not boxes:
             return True
         box = boxes.pop()
         pay(_PRICE * count)
-        if not _is_shown(law, c, box, of):
-            shares = {x: Fraction(box[x].high - box[x].low, whole[x].high - whole[x].low or 1) for x in names}
-            if (widest := max(shares.values())) * _FINEST < 1:
-                return False
-            halved = [x for x in names if shares[x] == widest][:2]  # not all at once: many parameters would make too many parts
-            parts = product(*(_halves(box[x]) if x in halved else (box[x],) for x in names))
-            boxes += [dict(zip(names, part, strict=True)) for part in parts]
+        with suppress(ValueError, ZeroDivisionError):
+            if shown(box, _Derivatives(law.forces, box) if of is None else TaylorForm(of, [box[x] for x in law.forces])):
+                continue
+        shares = {x: Fraction(box[x].high - box[x].low, whole[x].high - whole[x].low or 1) for x in whole}
+        if (widest := max(shares.values())) * _FINEST < 1:
+            return False
+        halved = [x for x in whole if shares[x] == widest][:2]  # not all at once: many parameters would make too many parts
+        parts = product(*(_halves(box[x]) if x in halved else (box[x],) for x in whole))
+        boxes += [dict(zip(whole, part, strict=True)) for part in parts]
     return False
 
 
@@ -168,26 +188,22 @@ def _halves(side: Enclosure) -> tuple[Enclosure, Enclosure]:
     return Enclosure(side.low, middle), Enclosure(middle, side.high)
 
 
-def _is_shown(law: StatedLaw, c: _Box | None, box: _Box, of: Mapping[tuple[int, int], Fraction] | None) -> bool:
-    """Whether g keeps a sign in a part of the box, which is < 0 at c, or the boundary rises from c and curves towards it.
-
-    Without a c, whether g keeps a sign, or grad g is continuous and not 0.
-
-    ``of`` are the coefficients of g where it is a polynomial of the two forces alone.
-    """
-    try:
-        found = _Derivatives(law.forces, box) if of is None else TaylorForm(of, [box[x] for x in law.forces])
-        sign = found.value(law.g).sign
-        if sign in (NEGATIVE, POSITIVE):
-            return c is None or sign == NEGATIVE or any(c[x].high < box[x].low or c[x].low > box[x].high for x in c)
-        p, q, pp, pq, qq = found.of(law.g)
-    except (ValueError, ZeroDivisionError):
-        return False
-    if c is None:
-        return not p.sign & q.sign & ZERO
+def _curves_about(law: StatedLaw, c: _Box, box: _Box, found: _Found) -> bool:
+    """Whether g keeps a sign in a part of the box, which is < 0 at c, or the boundary rises from c and curves towards it."""
+    if (sign := found.value(law.g).sign) in (NEGATIVE, POSITIVE):
+        return sign == NEGATIVE or any(c[x].high < box[x].low or c[x].low > box[x].high for x in c)
+    p, q, pp, pq, qq = found.of(law.g)
     x, y = (box[name].plus(c[name].minus()) for name in law.forces)
     bend = _plus(_plus(_times(pp, q.power(2)), _times(qq, p.power(2))), _times(_TWO, _times(pq, _times(p, q))).minus())
     return _plus(_times(x, p), _times(y, q)).sign == POSITIVE == bend.sign
+
+
+def _has_a_slope(law: StatedLaw, box: _Box, found: _Found) -> bool:
+    """Whether g keeps a sign in a part of the box, or one of its two slopes does."""
+    if found.value(law.g).sign in (NEGATIVE, POSITIVE):  # it may have no slopes there
+        return True
+    p, q, *_ = found.of(law.g)
+    return not p.sign & q.sign & ZERO
 
 
 class _Derivatives:

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 from duhem.proof.kernel import boundary, obligations, state
 from duhem.proof.kernel.bounds import Facts
-from duhem.proof.kernel.boxes import convex_in_its_box
+from duhem.proof.kernel.boxes import convex_in_its_box, smooth_in_its_box
 from duhem.proof.kernel.curvature import over, within_ranges
 from duhem.proof.kernel.curve import StatedCurve
 from duhem.proof.kernel.definedness import Reader, divides_by_zero_force, undecided_beside
@@ -56,7 +56,9 @@ _MORE: Mapping[str, Callable[[StatedLaw], str]] = {"origin": state.potential_lea
 _RULES_OF_RATES = ("resistance", "monotone-resistance")  # those of laws whose forces are functions of the rates
 _MOST_CASES = 4  # choices one after another
 # they look at a part once
-_OF_GRAPHS = ("evaluation", "composition", "curvature-in-a-box", "normality-rule", "fenchel", "by-construction", "conductances")
+_OF_GRAPHS = (
+    "evaluation", "composition", "curvature-in-a-box", "slope-in-a-box", "normality-rule", "fenchel", "by-construction", "conductances",
+)  # fmt: skip
 
 
 def objection(
@@ -461,8 +463,8 @@ RULES: Mapping[tuple[str, str], RuleRow] = {
         "K is star-shaped about a point and its boundary curves inward, by enclosures in parts of the ranges of the forces "
         "(Tietze 1928, Nakajima 1928; Moore 1966)", True, most_forces=2,
     ),
-    ("smoothness", "curvature-in-a-box"): RuleRow(
-        _NONE, lambda law, _: law.once(convex_in_its_box, False), obligations.nothing,
+    ("smoothness", "slope-in-a-box"): RuleRow(
+        _NONE, lambda law, _: law.once(smooth_in_its_box), obligations.nothing,
         "grad g is continuous and not 0 wherever g = 0, by enclosures in parts of the ranges of the forces (Moore 1966)", True,
         most_forces=2,
     ),

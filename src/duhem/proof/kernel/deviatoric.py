@@ -445,6 +445,7 @@ class DeviatoricReader(PlaneVariable):
             raise NotWritten("a choice is by something else")
         value = self.read(away)
         nothing = not self.within.polynomial(here) and self.within.facts(here).defined
+        # of degree 0 it jumps where the deviator is 0, and a sum or a root of it would be read as if it did not
         if value.degree <= 0 or not (nothing or self.read(here).degree > 0):
             raise NotWritten("a choice leaves a jump")
         return value

@@ -49,7 +49,18 @@ from duhem.proof.kernel.forms import apart, at_end_of, inverse, multiple
 from duhem.proof.kernel.polynomial import ONE, Polynomial, divided, in_powers, negated, replaced, slope, times, total, written
 from duhem.proof.kernel.profiles import times_load
 from duhem.proof.kernel.regularity import smooth_but_where_zero
-from duhem.proof.kernel.signs import RAY, Line, nonnegative, nonnegative_on_the_line, on_the_line, parts, roots, sign_at, without_content
+from duhem.proof.kernel.signs import (
+    RAY,
+    Line,
+    divided_by,
+    nonnegative,
+    nonnegative_on_the_line,
+    on_the_line,
+    parts,
+    roots,
+    sign_at,
+    without_content,
+)
 from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.kernel.term import NotWritten, Term, factors, minus, number, product_of, sum_of
 
@@ -161,13 +172,8 @@ def _rounded(h: Polynomial, sides: Collection[Line], domain: StatedDomain) -> bo
 def _without_ends(h: Polynomial, low: Fraction, high: Fraction) -> Polynomial:
     """H without its factors t - low and high - t."""
     for end, sign in ((low, Fraction(1)), (high, Fraction(-1))):
-        while h:
-            divided: list[Polynomial] = [{}]
-            for c in reversed(in_powers(h, RAY)):  # Horner's rule: the quotient by t - end, and last the value there
-                divided.append(total(c, times({(): end}, divided[-1]) if end else {}))
-            if divided.pop():
-                break
-            h = total(*(times({((RAY, n),) if n else (): sign}, c) for n, c in enumerate(reversed(divided[1:]))))
+        while h and not (split := divided_by(h, (-end, 1)))[1]:
+            h = times({(): sign}, split[0])
     return h
 
 

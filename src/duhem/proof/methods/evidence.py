@@ -32,7 +32,8 @@ from duhem.proof.verdict import Evidence, Proof, Verdict
 __all__ = [
     "convexity_by_branches", "convexity_by_sums", "convexity_in_a_box", "convexity_on_boundary", "dissipation_by_identities",
     "dissipation_by_shares", "dissipation_of_potential", "dissipation_on_boundary", "duality", "normality_parallel", "origin_by_signs",
-    "smoothness_by_identities", "smoothness_by_sums", "smoothness_on_boundary", "state_laws_not_stated", "without_heat",
+    "smoothness_by_identities", "smoothness_by_sums", "smoothness_in_a_box", "smoothness_on_boundary", "state_laws_not_stated",
+    "without_heat",
 ]  # fmt: skip
 
 Terms = Mapping[sp.Expr, sp.Expr]  # what depends on the forces, and its coefficient
@@ -79,10 +80,22 @@ def convexity_on_boundary(subject: FormulaSubject) -> Iterator[Evidence]:
 
 def convexity_in_a_box(subject: FormulaSubject | GraphSubject) -> Iterator[Evidence]:
     """In each part of the ranges of the forces the boundary curves inward.  It is too dear for the effort ``quick``."""
-    ranges = [subject.law.domain.get(x, REAL) for x in subject.law.forces]
-    if subject.effort >= 1 and len(ranges) == 2 and all(own.low is not None and own.high is not None for own in ranges):
+    if _may_enclose(subject):
         detail = "K is star-shaped and its boundary curves inward, by enclosures in parts of the ranges of the forces"
         yield _offered("curvature-in-a-box", detail, {})
+
+
+def smoothness_in_a_box(subject: FormulaSubject | GraphSubject) -> Iterator[Evidence]:
+    """In each part of the ranges of the forces in which g may be 0 its gradient is not.  It is too dear for the effort ``quick``."""
+    if _may_enclose(subject):
+        detail = "grad g is continuous and not 0 where g = 0, by enclosures in parts of the ranges of the forces"
+        yield _offered("slope-in-a-box", detail, {})
+
+
+def _may_enclose(subject: FormulaSubject | GraphSubject) -> bool:
+    """Whether two forces have ranges with both ends, and the effort is above ``quick``."""
+    ranges = [subject.law.domain.get(x, REAL) for x in subject.law.forces]
+    return subject.effort >= 1 and len(ranges) == 2 and all(own.low is not None and own.high is not None for own in ranges)
 
 
 def convexity_by_branches(subject: FormulaSubject) -> Evidence | None:

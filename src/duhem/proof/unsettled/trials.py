@@ -252,7 +252,7 @@ def _boxed(law: Text, part: frozenset[str], known: Sequence[Choice], ranges: Cal
 
     K is smooth there, or is so away from a tip, with as few of these values as may be.
     """
-    smooth, rules = asked.claim == "smoothness", ("curvature-in-a-box",)
+    smooth, rules = asked.claim == "smoothness", ("curvature-in-a-box", "slope-in-a-box")
     for values in ({}, *known[:_MOST_BOXED]) if asked.claim in ("convexity", "smoothness", "normality", "dissipation") else ():
         box, asked.steps = ranges(values), _A_KIND
         for told, base in (("", law), *(_moved(law, part, box) if smooth else ())) if box else ():
@@ -316,7 +316,7 @@ def _narrowed(law: Text, names: Sequence[str], known: Sequence[Choice], others: 
 def _choices(law: Text) -> Iterator[dict[str, Fraction]]:
     """A few plain values of the parameters, all together, within the constraints."""
     free = {name: list(_plain(domain)) for name, domain in law["parameters"].items() if not Bounds.read(domain).single}
-    own, turns = law["parameters"], product(range(_TURNS), (1, 0))  # of each without a middle at another place, and of all alike
+    own, turns = law["parameters"], product(range(_TURNS), (1, 0))  # those without an upper end each at another place, and all alike
     tried = ({x: v[(k + step * (i % 3) * (not own[x].get("max"))) % len(v)] for i, (x, v) in enumerate(free.items())} for k, step in turns)
     seen = list[dict[str, Fraction]]()
     for choice in tried if all(free.values()) and free else ():

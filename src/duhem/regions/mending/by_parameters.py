@@ -44,8 +44,8 @@ def by_parameters(scaled: ScaledLaw, base: Criterion) -> Iterator[tuple[Criterio
             if near := [x for cell in found.stretches("proved") for x in _decimals(cell, value)]:
                 x = min(near, key=lambda x: abs(x - value))
                 moved = law.within({name: Domain.fixed(sp.Rational(x.numerator, x.denominator))})
-                of = f"where {found.over}, " if base.parameters[name].value is not None and found.over != "true" else ""
-                yield moved, f"{name} from {value} to {x}; {of}{found.sentence}"
+                among = f"where {found.over}, " if base.parameters[name].value is not None and found.over != "true" else ""
+                yield moved, f"{name} from {value} to {x}; {among}{found.sentence}"
     if moved is None:
         raise InputError(f"convexity is proved for no other value of {', '.join(names)}", where=law.name, remedy="mend it in another way")
 
