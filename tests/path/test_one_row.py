@@ -62,6 +62,6 @@ def test_where_plain_numbers_have_no_answer_arrays_are_asked(monkeypatch: pytest
     def silent(quarters: object, trial: list[float], load: float) -> None:
         asked.append(load)
 
-    monkeypatch.setattr("duhem.path.rows.quadrants.plain_closest", silent)
+    monkeypatch.setattr("duhem.path.closest.quadrants.plain_closest", silent)
     np.testing.assert_array_equal(whole, tables("quarters", "extrapolated", 2))
     assert asked

@@ -20,10 +20,11 @@ from numpy.typing import NDArray
 from duhem.errors import InputError
 from duhem.law.shapes import Interval
 from duhem.path import step_formulas
+from duhem.path.closest import LOST, ClosestPoints, ShapeNumbers, shape_by
 from duhem.path.history import SUMS, Histories
 from duhem.path.integrators import STEPS, stretch
 from duhem.path.loading import Paths, Which
-from duhem.path.rows import LOST, ClosestPoints, Ledger, ShapeNumbers, States, shape_by
+from duhem.path.rows import Ledger, States
 from duhem.path.run import Plan, Share, columns
 from duhem.path.step_formulas import FORMULAS, booked, written
 from duhem.projection import compiled, quadrants, quarter_ellipse

@@ -12,8 +12,9 @@ from math import cos, sin
 import numpy as np
 
 from duhem.law.shapes import Disk, Interval
+from duhem.path.closest import ShapeNumbers, shape_numbers
 from duhem.path.elementary_steps import Move, on_ellipse, on_interval
-from duhem.path.rows import Ledger, ShapeNumbers, Stepped, shape_numbers
+from duhem.path.rows import Ledger, Stepped
 from duhem.path.run import Plan, Share
 from duhem.path.step_formulas import on_numbers
 from duhem.projection.result import Array

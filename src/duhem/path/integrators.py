@@ -22,10 +22,10 @@ from typing import ClassVar
 import numpy as np
 
 from duhem.path import exact
+from duhem.path.closest import Closest, closest_by, closest_point, shape_by, vouched
 from duhem.path.exact import Piece
 from duhem.path.loading import Knot, Which
 from duhem.path.rows import (
-    Closest,
     Ledger,
     ManyRows,
     OneRow,
@@ -35,10 +35,6 @@ from duhem.path.rows import (
     Vector,
     Ways,
     by_arrays,
-    closest_by,
-    closest_point,
-    shape_by,
-    vouched,
 )
 from duhem.path.run import Plan, Share
 from duhem.projection.in_blocks import FEW

@@ -19,10 +19,11 @@ from duhem.errors import DuhemError, InputError
 from duhem.law.catalogue import load_formula
 from duhem.law.formula_law import Criterion
 from duhem.law.state import evolves
+from duhem.path.closest import closest_by, outside, shape_by
 from duhem.path.history import STATES, SUMS, Checkpoint, Due, H, Histories, History, Interrupted, LeftDomain, LeftPrecision, told_of
 from duhem.path.integrators import INTEGRATORS, STEPS
 from duhem.path.loading import Path, Paths, Which, between, checked_count
-from duhem.path.rows import Ledger, States, Step, closest_by, outside, shape_by
+from duhem.path.rows import Ledger, States, Step
 from duhem.path.run import MOST_THREADS, Batch, Plan, Run, Share, columns, stress_at_start, times
 from duhem.path.state_path import StateHistory, state_history
 from duhem.path.step_formulas import booked
