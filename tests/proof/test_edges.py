@@ -7,7 +7,7 @@ import pytest
 from duhem import Criterion
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.methods.refuters import convexity_beside_edges, normality_at_chord, smoothness_at_sharp_points
-from duhem.proof.search.corners import edges
+from duhem.proof.search.edges import edges
 from tests.long import long_but
 from tests.oracles.reevaluation import confirmed
 

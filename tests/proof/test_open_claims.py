@@ -21,7 +21,6 @@ import duhem
 from duhem import Criterion, Verdict, verify
 from duhem.expression.abbreviations import Stress
 from duhem.law.domain import POSITIVE, Domain
-from duhem.law.formula_law import YieldSurface
 from duhem.law.state import Variable
 from duhem.proof.certificate import law_as_text
 from duhem.proof.facts.formula_subject import FormulaSubject, admitted_values
@@ -30,8 +29,6 @@ from duhem.proof.kernel.stated_law import StatedLaw, without_angles
 from duhem.proof.kernel.term import parse
 from duhem.proof.unsettled import open_claims, trials
 from duhem.proof.unsettled.blocked import blocked
-from duhem.proof.unsettled.forms import other_forms
-from duhem.proof.unsettled.limits import keeps_k, same_points, with_values
 from duhem.proof.unsettled.term_text import in_text, names_of
 from duhem.proof.unsettled.trials import that_help
 from duhem.proof.verdict import Evidence, Unsettled, Witness
@@ -40,7 +37,6 @@ from duhem.show.printing import sheet, text
 from tests.long import long_at, mostly_long
 from tests.oracles import drawn_formulas
 
-F83 = Fraction(83, 100)
 ANY, AT_LEAST_0 = Domain(), Domain.between(0)
 
 
@@ -341,233 +337,6 @@ def test_no_constraint_is_suggested_that_no_parameter_satisfies(g: str, constant
     found = opened(law(g.format(constant), {"c": ANY}, "a"), "convexity")
     assert found.part is not None and found.part.startswith("c*")
     assert not any("add the constraint" in action for action in found.actions)
-
-
-# -- other forms with the same K ----------------------------------------------------------------------------------------------
-
-SAND = law("q - m*p*(1 + (n - 1)*(p/c)**(n/(1 - n)))/n", {"m": POSITIVE, "n": Domain.between("1/5", "2/5"), "c": POSITIVE}, "pq",
-           domain={"p": AT_LEAST_0, "q": AT_LEAST_0})  # fmt: skip
-ROCK = law("max(a, b) - min(a, b) - s*(u - m*max(a, b)/s)**e",
-           {"s": POSITIVE, "m": POSITIVE, "u": Domain.between(0, 1), "e": Domain.between("1/2", "3/4")})  # fmt: skip
-SIDES = law("(abs(a)/where(a > 0, u, v))**n + (abs(b)/w)**n - 1", {x: POSITIVE for x in "uvw"} | {"n": Domain.between(1, 4)})
-CUBE = law("abs(b)**3 + c*pos(b)**3 - (1 - a)**3", {"c": Domain.between(0, 1)})
-FORMS = [
-    (ROCK, "convexity", "((max(a, b) - min(a, b))/s)**(1/e) - (u - m*max(a, b)/s)"),
-    (SIDES, "convexity", "pos(a)/u + neg(a)/v"),
-    (SAND, "smoothness", "m*(p + (n - 1)*(1/c)**(n/(1 - n))*p**(n/(1 - n) + 1))/n"),
-    (CUBE, "convexity", "(abs(b)**3 + c*pos(b)**3)**(1/3) - (1 - a)"),
-]
-
-
-def inside_both(criterion: Criterion, g: str, seed: int) -> tuple[set[bool], bool]:
-    """Which answers there are to whether a point lies in K, and whether both forms give the same at all points, by the terms themselves."""
-    draw, answers, same = Random(seed), set[bool](), True
-    for _ in range(400):
-        names = {name: math.exp(draw.uniform(-1, 1)) for name in criterion.parameters}
-        at = {
-            name: min(max(x, float(own.low or 0)), float(own.high or 9))
-            for (name, x), own in zip(names.items(), criterion.parameters.values(), strict=True)
-        }
-        for force in criterion.forces:
-            own, x = criterion.domain.get(force, ANY), draw.gauss(0, 1) * math.exp(draw.uniform(-2, 2))
-            at[force] = x if own.low is None else max(x, float(own.low))
-
-        def level(text: str, at: dict[str, float] = at) -> float:
-            try:
-                return float(drawn_formulas.value(parse(text), at))
-            except (ValueError, OverflowError, ZeroDivisionError, TypeError):
-                return math.inf
-
-        one, two = level(criterion.written), level(g)
-        if min(abs(one), abs(two)) > 1e-9:
-            answers.add(one <= 0)
-            same &= (one <= 0) == (two <= 0)
-    return answers, same
-
-
-@pytest.mark.parametrize(("criterion", "claim", "form"), FORMS)
-def test_another_form_with_the_same_k_is_suggested_and_proves_the_claim(criterion: Criterion, claim: str, form: str) -> None:
-    told = next(action for action in opened(criterion, claim).actions if "K stays the same" in action or "K is the same" in action)
-    assert told.startswith("write ") and form in told
-    after = changed(criterion, told)
-    assert verify(after, claims=[claim])[claim].verdict is Verdict.PROVED
-    answers, same = inside_both(criterion, after.written, 3)
-    assert same and answers == {True, False}
-
-
-@pytest.mark.parametrize(
-    ("g", "other"),
-    [
-        ("where(a > 0, a**2 + b**2 - 1, -1)", "a**2 + b**2 - 1"),
-        ("where(a < 0, b - 1, b + a - 1)", "b - 1"),
-        ("a**2 + b**2 - 1", "a**2 + b**2 - 101/100"),
-        ("sqrt(a) + b - 1", "sqrt(abs(a)) + b - 1"),  # K of the first ends where a < 0
-        ("where(norm(a, b) > 0, b**2 - a, 5)", "b**2 - a"),  # zero force is in the second K alone
-        ("abs(b) - where(a > 0, a, 0)", "abs(b) - a"),  # the half-line b = 0, a < 0 is in the first K alone
-        ("where(a > 0, b**2 - a, abs(a + 3))", "b**2 - a"),  # the line a = -3 is, too
-    ],
-)
-def test_a_form_with_another_k_is_not_taken_for_the_same(g: str, other: str) -> None:
-    subject = FormulaSubject(law(g))
-    assert same_points(subject, other) == 0 and same_points(subject, f"2*({g})") > 1000
-
-
-def test_no_form_is_compared_where_k_is_known_not_to_be_convex() -> None:
-    """It would be said to have the same K, and to be convex."""
-    bent = law("where(a > 0, a**2 + b**2, a**2 + e*b**2) - c", {"e": Domain.between(1, "10001/10000"), "c": POSITIVE})
-    found = verify(bent, effort="quick")
-    assert found["convexity"].verdict is Verdict.REFUTED
-    assert not any("compared" in action for r in found.results if r.unsettled is not None for action in r.unsettled.actions)
-
-
-@pytest.mark.parametrize(
-    ("g", "other"),
-    [
-        ("where(a > b, a**2 + b**2, (a + b)**2 - 2*a*b) - 1", "a**2 + b**2 - 1"),  # one function, written in two ways
-        ("max(a**2/9 - 1, where(b < 0, b**2 - b + a**2/9 - 1, -1), b + a**2/9 - 1)",
-         "max(a**2/9 - 1, min(b, 0)**2 - min(b, 0) + a**2/9 - 1, b + a**2/9 - 1)"),
-        ("where(a > b, a, b) - 1", "max(a, b) - 1"),
-    ],
-)  # fmt: skip
-def test_a_choice_may_be_left_out_where_k_stays_the_same(g: str, other: str) -> None:
-    read, subject = StatedLaw.read(law_as_text(law(g))), FormulaSubject(law(g))
-    found = [in_text(read.g.put({part: new}), {}) for part, new, _ in other_forms(read)]
-    kept = [text for text in found if same_points(subject, text)]
-    assert in_text(parse(other), {}) in kept
-    assert all(inside_both(law(g), text, 5)[1] for text in kept)
-
-
-@pytest.mark.parametrize(
-    ("g", "high", "known"),
-    [("a + b - (1 - a)**k", "9/10", True), ("a + b - (1 - a)**k", 1, False), ("a + b - (1 - a)**k", 2, False),
-     ("abs(b) - (1 - a)**k", 1, True), ("abs(b) - (1 - a)**k", 2, False)],
-)  # fmt: skip
-def test_k_of_a_root_alone_is_known_to_stay_where_no_power_of_less_than_0_has_a_value(g: str, high: str | int, known: bool) -> None:
-    """At a = 3, b = -8 of the first law (1 - a)**1 = -2 has a value, and its root form has none; of the last (1 - a)**2 has one."""
-    read = StatedLaw.read(law_as_text(law(g, {"k": Domain.between("1/2", high)})))
-    ((_, _, found),) = other_forms(read)
-    assert found is known
-
-
-def test_a_form_of_which_other_claims_are_open_says_so() -> None:
-    """Yu's CASM (1998): times p**n it is proved that zero force lies in K, and no longer that K is convex."""
-    parameters = {"m": Domain.between("4/5", "3/2"), "n": Domain.between(1, 5), "r": Domain.between("3/2", 10), "c": POSITIVE}
-    casm = law("(q/(m*p))**n + log(p/c)/log(r)", parameters, "pq", domain={"p": AT_LEAST_0, "q": AT_LEAST_0})
-    told = next(action for action in opened(casm, "origin").actions if "times g" in action)
-    assert told.endswith("(for this claim alone: convexity would be open)")
-    assert verify(casm, claims=["convexity"])["convexity"].verdict is Verdict.PROVED
-    assert verify(changed(casm, told), claims=["convexity"])["convexity"].verdict is not Verdict.PROVED
-
-
-def test_another_form_keeps_the_flow_of_the_law_and_joins_its_surfaces() -> None:
-    own = law_as_text(law("norm(a, b) - m*sqrt(1 - a)", {"m": POSITIVE}, potential="norm(a, b)"))
-    assert own["flow"] and trials._changed(own, "a - 1", {}) == {**own, "g": "a - 1"}
-    faces = law_as_text(Criterion("faces", forces=("a", "b"), pressure=None, surfaces=(YieldSurface("a - 1"), YieldSurface("b - 1"))))
-    assert "surfaces" in faces and "surfaces" not in trials._changed(faces, "max(a - 1, b - 1)", {})
-
-
-def test_what_a_formula_divides_by_may_depend_on_the_pressure_alone() -> None:
-    g = "abs(t) - (abs(n)*(1 - h)*((1 + n/s)**4*tan(i) + tan(f)) + h*c)/(1 - (1 - h)*(1 + n/s)**4*tan(i)*tan(f))"
-    joint = Criterion(
-        "joint", g.replace("h", "(1 - (1 + n/s)**1.5)"),
-        {"s": Domain.between(20, 100), "c": POSITIVE, "f": Domain.between("2/5", "7/10"), "i": Domain.between("1/20", "1/2")}, ("t",), "n",
-        domain={"n": Domain.between(-20, 0)},
-    )  # fmt: skip
-    for claim in ("convexity", "normality"):
-        assert (opened(joint, claim).part or "").startswith("1/(1 - ")
-
-
-def test_values_at_which_no_effect_is_gone_are_tried_before_0() -> None:
-    ply = law("((a*cos(t)**2 + b*sin(2*t))/x)**2 - (a*cos(t)**2 + b*sin(2*t))*(a*sin(t)**2 - b*sin(2*t))/(x*y) + "
-              "((a*sin(t)**2 - b*sin(2*t))/y)**2 + ((b*cos(2*t) - a*sin(t)*cos(t))/s)**2 - 1",
-              {"x": POSITIVE, "y": POSITIVE, "s": POSITIVE, "t": Domain.between(0, "157/100")})  # fmt: skip
-    (told,) = opened(ply, "convexity").actions
-    assert re.search(r"--set t=(?!0\b)", told) and verify(changed(ply, told), claims=["convexity"])["convexity"].verdict is Verdict.PROVED
-
-
-def in_principal(g: str, **parameters: Domain) -> Criterion:
-    return law(g, parameters, (), stress=Stress("s", "principal"))
-
-
-@pytest.mark.parametrize(
-    ("g", "known"),
-    [("abs(b) - (1 + exp(a))*(2 - a)", True), ("b/a - 1", False), ("abs(b) - (2 - exp(a))*(2 - a)", False)],
-)
-def test_k_is_known_to_stay_where_g_is_divided_by_what_is_above_0_and_has_a_value(g: str, known: bool) -> None:
-    """b/a - 1 has no value at a = 0, where b - a has one; 2 - exp(a) may be < 0."""
-    read = StatedLaw.read(law_as_text(law(g, domain={"a": AT_LEAST_0})))
-    assert any(sure and new != read.g for _, new, sure in other_forms(read)) is known
-
-
-@pytest.mark.parametrize("value", ["0", "1", "-7"])
-def test_a_factor_that_depends_on_the_lode_angle_is_divided_by(value: str) -> None:
-    """A value that is written where J2 is 0 may be one at which the factor is < 0: K is not known to stay."""
-    factor = "(3 - k*cos3theta)", f"(3 - k*where(J2 > 0, cos3theta, {value}))"
-    for own, sure in ((factor[0], True), (factor[1], False)):
-        cone = in_principal(f"sqrt(J2) + (I1 - 1)/{own}", k=Domain.between("1/2", 1))
-        read = StatedLaw.read(law_as_text(cone))
-        assert any(known for _, _, known in other_forms(read)) is sure
-    (told,) = opened(
-        cone := in_principal("sqrt(J2) + (I1/3 - 1)*(1 + k*cos3theta)**(-1/4)", k=Domain.between(0, "3/4")), "convexity"
-    ).actions
-    assert told.startswith("write sqrt(J2(s))*(1 + k*cos3theta(s))**(1/4) + ") and ": K stays the same" in told
-    after = in_principal(told.split(" for ")[0].removeprefix("write ").replace("(s)", ""), **cone.parameters)
-    assert verify(after, claims=["convexity"])["convexity"].verdict is Verdict.PROVED
-
-
-def test_ranges_of_both_forces_are_suggested_in_which_enclosures_show_that_k_is_convex() -> None:
-    """For all values of bounded parameters; the ranges hold K: no point of it, as rays from zero force find it, lies outside."""
-    wave = law("a**2 + b**2*(1 + e*tanh(a)) + h*sin(a)*b - 1", {"e": Domain.between("-3/10", "3/10"), "h": Domain.between(0, "1/5")})
-    found = verify(wave, claims=["convexity", "dissipation"], effort="quick")
-    for result in found.results:
-        assert result.unsettled is not None
-        (told,) = result.unsettled.actions
-        assert told.startswith("ask for forces near K alone: a = { min = ") and "--set" not in told
-        after = changed(wave, told)
-        assert verify(after, claims=[result.claim])[result.claim].verdict is Verdict.PROVED
-        for angle in range(0, 360, 5):
-            x, y = math.cos(math.radians(angle)), math.sin(math.radians(angle))
-            r = max(r / 100 for r in range(400) if level_of(wave, r / 100 * x, r / 100 * y) <= 0)
-            for name, value in (("a", r * x), ("b", r * y)):
-                assert float(after.domain[name].low or 0) <= value <= float(after.domain[name].high or 0)
-
-
-def level_of(criterion: Criterion, a: float, b: float) -> float:
-    return float(drawn_formulas.value(parse(criterion.written), {"a": a, "b": b, "e": -0.3, "h": 0.2}))
-
-
-def test_the_middle_of_a_range_is_tried_before_its_ends_and_what_is_proved_at_it_up_to_an_end() -> None:
-    assert next(iter(trials._plain({"min": "2/3", "max": "1"}))) == F83 and [*trials._plain({"min": "0", "max": "3"})][-2:] == [3, 0]
-    told = [words for _, words in trials._narrower({"min": "2/3", "max": "1"}, [F83])]
-    assert {'min = "83/100"', 'max = "83/100"', 'min = "5/6"'} <= {*told}
-
-
-def test_a_value_at_a_tip_with_which_a_claim_is_refuted_is_suggested() -> None:
-    found = opened(in_principal("sqrt(J2(s))*(2 + cos3theta(s)) + c", c=POSITIVE), "origin")
-    assert [*found.actions] == ["write where(J2(s) > 0, cos3theta(s), 0) for cos3theta(s), if you mean 0 there (then it is refuted)"]
-
-
-# g has no value at a load of 0, with 0 for a part zero force lies in K, and K is another set
-@pytest.mark.parametrize(("g", "forces"), [("log(p) + q", "pq"), ("q/p - m", "pq"), ("((a + b + c)**3/(a*b*c) - 27) - m", "abc")])
-def test_no_value_is_suggested_that_changes_k(g: str, forces: str) -> None:
-    loaded = law(g, {"m": POSITIVE}, forces, domain=dict.fromkeys(forces, AT_LEAST_0))
-    told = [*with_values(StatedLaw.read(law_as_text(loaded)), {})]
-    kept = {said: keeps_k(FormulaSubject(loaded), in_text(changed_g, {})) for said, changed_g in told}
-    assert any("if you mean 0 there" in said for said in kept) and any("times g" in said for said in kept)
-    # zero force is a limit of points of K: to have it in K changes nothing; a line of points beside it would
-    assert not any(keeps for said, keeps in kept.items() if "if you mean 0 there" in said and "norm(" not in said)
-    assert not any("if you mean 0 there" in action and "norm(" not in action for action in opened(loaded, "origin").actions)
-
-
-@pytest.mark.parametrize(
-    ("forces", "part", "divisor"), [(("a", "b"), "(a - 2*b)**3", "abs(a - 2*b)"), (("x", "y", "t"), "(x - y)*t", "norm(x - y, t)")]
-)
-def test_no_line_of_forces_far_from_k_is_added_to_it(forces: tuple[str, ...], part: str, divisor: str) -> None:
-    """Times what it divides by, g is 0 all along that line, on which no place lies that is drawn by itself."""
-    size = f"norm({', '.join(forces)})"
-    subject = FormulaSubject(Criterion("own", f"{part}/{divisor} + {size} - 1", {}, forces, None))
-    assert not keeps_k(subject, f"{part} + {size}*{divisor} - {divisor}")
-    assert keeps_k(subject, f"where({divisor} > 0, {part}/{divisor}, 0) + {size} - 1")
 
 
 # -- followed to the letter ----------------------------------------------------------------------------------------------------

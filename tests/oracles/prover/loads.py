@@ -7,7 +7,7 @@ from collections.abc import Callable, Collection
 import sympy as sp
 
 from duhem.expression.invariance import affine
-from duhem.proof.search.corners import greatest, loads_of
+from duhem.proof.search.edges import greatest, loads_of
 
 __all__ = ["above_within", "affine", "alone", "concave_above_within", "loads_and_others", "loads_of"]
 

@@ -4,27 +4,24 @@ Corners lie at a seam in two forces, and in some plane of the force space in mor
 
 Two kinds of planes are looked at: those through the zeros of a root (the axis of a cone, where its tip is), and some through a
 point of K, in which the boundary is followed around and its normal is seen to jump.  Directions are small whole numbers (fixed seed).
-Points are sought at zero force, and where the boundary meets axes or edges at plain fractions.  Along an edge all but one of as many
-loads, which are affine in the forces, as there are forces vanish: what is pointed is so there, be it by a hair.
+Points are sought at zero force, and where the boundary meets axes or edges at plain fractions.
 """
 
 from __future__ import annotations
 
 import math
 import random
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from fractions import Fraction
-from itertools import chain, combinations, islice, product
-from math import gcd, lcm
+from itertools import chain, islice, product
 from typing import Any
 
 import numpy as np
 import sympy as sp
 
-from duhem.expression import EigMax, Norm, Where, defined_at, mpmath_
+from duhem.expression import EigMax, Norm, defined_at, mpmath_
 from duhem.expression.balls import ball
 from duhem.expression.branches import Seam, jacobian, seams
-from duhem.expression.invariance import affine, largest_loads
 from duhem.expression.number import fraction, rational
 from duhem.expression.numpy_ import compiled
 from duhem.expression.rays import Rays, exits
@@ -33,8 +30,9 @@ from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.facts.plane_section import PlaneSection, local_pieces
 from duhem.proof.facts.subject import Point, Values, rationals
 from duhem.proof.search.boundary_points import scout
+from duhem.proof.search.edges import edges
 
-__all__ = ["centred_choices", "crossings", "edges", "exact_rays", "greatest", "loads_of", "quadratic", "section_corners", "sharp_points"]
+__all__ = ["Crossing", "centred_choices", "crossings", "quadratic", "section_corners", "sharp_points"]
 
 _MOST, _NEAREST = 16, 2  # crossings of one seam; places nearest to it
 _MOST_EXPONENT = 10_000  # SymPy makes polynomials of so high a degree of a power: that took more than a minute
@@ -336,9 +334,7 @@ def _on_edges(g: sp.Expr, forces: Sequence[sp.Symbol], pointed: Sequence[tuple[i
 
 
 def _ways(dimension: int) -> list[Point]:
-    """Directions of small whole numbers, each with its opposite: all of them in few forces, else some at random (fixed seed), axes and the
-    pressure of a stress.
-    """
+    """Directions of small whole numbers, each with its opposite: in many forces some at random (fixed seed), the axes and the pressure."""
     if dimension <= 3:
         return [tuple(map(Fraction, way)) for way in product(range(-2, 3), repeat=dimension) if any(way)]
     rng = random.Random(6)
@@ -346,71 +342,3 @@ def _ways(dimension: int) -> list[Point]:
     found = dict.fromkeys(tuple(map(Fraction, way)) for way in islice((w for w in drawn if any(w)), _MOST_WAYS // 2))
     axes = [tuple(Fraction(int(i in at)) for i in range(dimension)) for at in (*((k,) for k in range(dimension)), range(3))]
     return list(dict.fromkeys(sign for way in (*found, *axes) for sign in (way, tuple(-c for c in way))))
-
-
-# -- loads, and rays from 0 that are known exactly by them -------------------------------------------------------------
-
-_MOST_LOADS = 12
-
-
-def loads_of(g: sp.Expr, forces: Collection[sp.Symbol]) -> Iterator[sp.Expr]:
-    """What is >= 0 wherever g has a value and is <= 0: loads in a maximum, turned round, and those under a logarithm."""
-    if g.has(Where):
-        return
-    for part in greatest(g):
-        if affine(part, forces):
-            yield sp.expand(-part)
-        yield from (x.args[0] for x in sorted(part.atoms(sp.log), key=sp.default_sort_key) if affine(x.args[0], forces))
-
-
-def greatest(g: sp.Expr) -> tuple[sp.Expr, ...]:
-    """What a maximum is taken of; a formula that is none, alone."""
-    return g.args if isinstance(g, sp.Max) else (g,)
-
-
-def edges(g: sp.Expr, forces: Sequence[sp.Symbol]) -> list[tuple[int, ...]]:
-    """Those of the largest loads in g without a constant, each with its opposite, in whole numbers."""
-    zero = dict.fromkeys(forces, sp.S.Zero)
-    rows = [[load.diff(x) for x in forces] for load in dict.fromkeys(largest_loads(g, forces)) if load.xreplace(zero).is_zero]
-    return list(edges_of(rows, len(forces)))
-
-
-def edges_of(rows: Sequence[Sequence[sp.Expr]], n: int) -> Iterator[tuple[int, ...]]:
-    """Those of loads with these coefficients of n forces: first one off each load, where there is one."""
-    plain = [row for row in rows if all(c.is_Rational for c in row)]
-    some = dict.fromkeys((*_off_each(plain, n), *islice(combinations(range(len(plain)), n - 1), _MOST_LOADS)))
-    seen = set[tuple[int, ...]]()
-    for chosen in islice(some, _MOST_LOADS):
-        if len(flat := sp.Matrix([plain[k] for k in chosen]).nullspace()) == 1:
-            scale = lcm(*(int(c.q) for c in flat[0]))
-            whole = [int(c * scale) for c in flat[0]]
-            edge = tuple(c // gcd(*whole) for c in whole)
-            if edge not in seen:
-                both = (edge, tuple(-c for c in edge))
-                seen.update(both)
-                yield from both
-
-
-def _off_each(rows: Sequence[Sequence[sp.Expr]], n: int) -> Iterator[tuple[int, ...]]:
-    """Of loads that are a basis, the first of which is left out: it is not 0 where the others are."""
-    for k in range(min(len(rows), _MOST_LOADS)):
-        turned = [*range(k, len(rows)), *range(k)]
-        basis = sp.Matrix([rows[i] for i in turned]).T.rref()[1]
-        if len(basis) == n and basis[0] == 0:
-            yield tuple(sorted(turned[i] for i in basis[1:]))
-
-
-def exact_rays(g: sp.Expr, forces: Sequence[sp.Symbol]) -> Iterator[tuple[int, ...]]:
-    """Along edges, along, between and opposite to the axes of the forces, and between edges, in whole numbers."""
-    n, seen = len(forces), set[tuple[int, ...]]()
-    rows = [[load.diff(x) for x in forces] for load in loads_of(g, forces)]
-    along = list(edges_of(rows, n))
-    axes = product((-1, 0, 1), repeat=n) if n < 4 else ()
-    few = (
-        tuple(s * (k == i) + t * (k == j) for k in range(n)) for i, j in combinations(range(n), 2) for s, t in product((-1, 0, 1), repeat=2)
-    )
-    between = (tuple(a + b for a, b in zip(one, two, strict=True)) for one, two in combinations(along, 2))
-    for ray in (*along, *few, *axes, *between):
-        if any(ray) and ray not in seen:
-            seen.add(ray)
-            yield ray

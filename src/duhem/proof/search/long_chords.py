@@ -34,7 +34,8 @@ from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.facts.graph_subject import GraphSubject
 from duhem.proof.facts.subject import Point, Values
 from duhem.proof.search.boundary_points import Chord, lowest
-from duhem.proof.search.corners import exact_rays, quadratic
+from duhem.proof.search.corners import quadratic
+from duhem.proof.search.edges import exact_rays
 from duhem.proof.search.margins import WALK, least_margin
 
 __all__ = ["chords_between_exact_rays", "chords_downhill", "chords_from_far_points", "graph_chords", "looked_between", "sampled_chords"]

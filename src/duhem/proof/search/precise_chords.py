@@ -23,7 +23,8 @@ from duhem.expression.number import fraction
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.facts.subject import Point, Values, rationals
 from duhem.proof.search.boundary_points import Chord
-from duhem.proof.search.corners import crossings, edges
+from duhem.proof.search.corners import crossings
+from duhem.proof.search.edges import edges
 
 __all__ = ["chords_beside_edges", "dent_chords", "kink_chords"]
 

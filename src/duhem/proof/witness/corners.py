@@ -161,10 +161,10 @@ def sharp_point(
     subject: FormulaSubject, parameters: Values, place: Sequence[Fraction], aside: Sequence[Fraction], into: Sequence[Fraction], lean: int
 ) -> Witness | None:
     """Such a point with w = ``aside``, v = ``into`` and c = ``lean`` >= 0; None if that is not certain.  g must be defined and not jump."""
-    if subject.doubtful or not subject.joined(subject.simple.g):
+    if lean < 0 or subject.doubtful or not subject.joined(subject.simple.g):
         return None
     g = _without_root(subject.formula_at(parameters))
-    away, opposite = ([abs(lean) * v + side * w for v, w in zip(into, aside, strict=True)] for side in (1, -1))
+    away, opposite = ([lean * v + side * w for v, w in zip(into, aside, strict=True)] for side in (1, -1))
     with precision(_BITS):
         for width, reach in _CONES:
             ends = ((into, Fraction(0), -1), (away, width, 1), (opposite, width, 1))
