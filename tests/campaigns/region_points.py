@@ -76,8 +76,8 @@ CURVES: Mapping[str, Curve] = {
     ),
     "drucker": Curve(_asked("drucker", "c", c=(-6, 6)), sp.root(1 - E * sp.Rational(4, 27) * _COS3**2, 6)),
     "cazacu-barlat": Curve(_asked("cazacu-barlat", "c", c=(-3, 3)), sp.root(1 - E * 2 / (3 * sp.sqrt(3)) * _COS3, 3)),
-    "willam-warnke": Curve(_asked("willam-warnke", "e", e=("2/5", 1)), _ELLIPTIC, sp.Rational(1, 3)),
-    "argyris": Curve(_asked("argyris", "K", K=("1/10", 2)), 1 + E - (1 - E) * _COS3),
+    "willam-warnke": Curve(_asked("willam-warnke", "e", e=(0, 1)), _ELLIPTIC, sp.Rational(1, 3)),
+    "argyris": Curve(_asked("argyris", "K", K=(0, 1)), 1 + E - (1 - E) * _COS3),
     "cos 2 theta with adhesion": Curve(_asked(_adhesive(), "e"), 1 / (1 + E * sp.cos(2 * T))),
     "oval of the README": Curve(_asked(_oval()), 1 / (1 + E * sp.cos(T))),
 }
