@@ -24,8 +24,7 @@ import sympy as sp
 import duhem
 from duhem.law.builtin.lobes import lobe_law
 from duhem.law.formula_law import Criterion
-from duhem.proof.kernel.real_root import RealRoot
-from duhem.proof.kernel.signs import sign_at
+from duhem.proof.kernel.signs import RealRoot, sign_at
 from duhem.regions import FoundRegion, region
 
 __all__ = ["disagreements", "main"]

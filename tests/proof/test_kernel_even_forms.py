@@ -9,8 +9,8 @@ import sympy as sp
 
 from duhem.proof.kernel.curvature import over
 from duhem.proof.kernel.dents import Dent, dents
-from duhem.proof.kernel.real_root import RealRoot
 from duhem.proof.kernel.semidefinite import catalecticant, homogeneous_parts, semidefinite
+from duhem.proof.kernel.signs import RealRoot
 from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.kernel.term import NotWritten
 from tests.long import mostly_long

@@ -18,7 +18,7 @@ from duhem.proof.kernel.dents import dents
 from duhem.proof.kernel.deviatoric import deviatoric_readers
 from duhem.proof.kernel.identity import vanishes
 from duhem.proof.kernel.plane_gauge import above_zero_along_rays
-from duhem.proof.kernel.real_root import RealRoot
+from duhem.proof.kernel.signs import RealRoot
 from duhem.proof.kernel.simpler_laws import in_principal_stresses
 from duhem.proof.kernel.state import convex_in_each_variable
 from duhem.proof.kernel.stated_law import StatedLaw

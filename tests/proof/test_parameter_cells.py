@@ -19,8 +19,7 @@ from duhem.proof.kernel.domain import Bounds
 from duhem.proof.kernel.parameter_cells import at_values, family_fails, own_domain, settled
 from duhem.proof.kernel.parameter_tree import law_where, read_comparison
 from duhem.proof.kernel.polynomial import Polynomial, in_powers
-from duhem.proof.kernel.real_root import RealRoot
-from duhem.proof.kernel.signs import RAY, line, roots_between, sign_at
+from duhem.proof.kernel.signs import RAY, RealRoot, line, roots_between, sign_at
 from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.kernel.term import NotWritten
 from duhem.regions.seen import value_of

@@ -17,7 +17,7 @@ import duhem
 from duhem.proof.certificate import law_as_text
 from duhem.proof.kernel.certificate import stated
 from duhem.proof.kernel.dents import dents
-from duhem.proof.kernel.real_root import RealRoot
+from duhem.proof.kernel.signs import RealRoot
 from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.regions import suggested
 from duhem.regions.chords import Suggestion, _reach

@@ -21,7 +21,7 @@ from duhem.cli import cli
 from duhem.proof.certificate import law_as_text
 from duhem.proof.kernel.certificate import digest
 from duhem.proof.kernel.dents import dents
-from duhem.proof.kernel.real_root import RealRoot
+from duhem.proof.kernel.signs import RealRoot
 from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.kernel.term import UNREADABLE
 from duhem.proof.recheck import RecheckedRegion

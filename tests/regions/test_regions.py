@@ -22,7 +22,7 @@ import duhem
 from duhem.cli import cli
 from duhem.law.builtin.lobes import lobe_law
 from duhem.proof.kernel.certificate import digest
-from duhem.proof.kernel.real_root import RealRoot
+from duhem.proof.kernel.signs import RealRoot
 from duhem.proof.recheck import RecheckedRegion
 from duhem.regions import entry
 from duhem.regions.places import OPEN, Decided, ParameterCell, square_root_near

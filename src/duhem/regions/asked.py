@@ -20,7 +20,7 @@ from duhem.proof.facts.formula_subject import admitted_values
 from duhem.proof.kernel.claims import objection, row_of, rules_of
 from duhem.proof.kernel.dents import Dent
 from duhem.proof.kernel.parameter_cells import at_values, family_fails, proof_fails, settled
-from duhem.proof.kernel.real_root import RealRoot
+from duhem.proof.kernel.signs import RealRoot
 from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.kernel.steps import TooDearError, within
 from duhem.proof.kernel.term import UNREADABLE, NotWritten, parse

@@ -17,8 +17,7 @@ import sympy as sp
 
 from duhem.proof.kernel.bounds import Bounds
 from duhem.proof.kernel.parameter_tree import law_where, opposite, read_comparison
-from duhem.proof.kernel.real_root import RealRoot
-from duhem.proof.kernel.signs import sign_at
+from duhem.proof.kernel.signs import RealRoot, sign_at
 from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.kernel.term import NotWritten, number, parse
 

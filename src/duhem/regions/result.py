@@ -23,7 +23,7 @@ from duhem.proof.kernel.bounds import Bounds
 from duhem.proof.kernel.certificate import digest
 from duhem.proof.kernel.constant_value import holds
 from duhem.proof.kernel.parameter_tree import SCHEMA, ends
-from duhem.proof.kernel.real_root import RealRoot
+from duhem.proof.kernel.signs import RealRoot
 from duhem.proof.kernel.term import NotWritten, Term, number, parse
 from duhem.regions.asked import constraints_on
 from duhem.regions.places import Decided, Node, ParameterCell, between, is_end, middle, share_of, written_root

@@ -13,7 +13,7 @@ from itertools import islice, pairwise
 
 from duhem.proof.kernel.bounds import Bounds
 from duhem.proof.kernel.parameter_cells import own_domain
-from duhem.proof.kernel.real_root import RealRoot
+from duhem.proof.kernel.signs import RealRoot
 from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.regions.asked import AsksTheKernel
 from duhem.regions.places import OPEN, Decided, ParameterCell, between, law_at, middle, order, simplest, square_root_near

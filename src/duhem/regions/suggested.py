@@ -13,8 +13,7 @@ import sympy as sp
 from duhem.proof.kernel.constant_value import exact_value
 from duhem.proof.kernel.dents import FAMILIES, Dent, dents
 from duhem.proof.kernel.polynomial import Polynomial, in_powers, written
-from duhem.proof.kernel.real_root import RealRoot
-from duhem.proof.kernel.signs import RAY
+from duhem.proof.kernel.signs import RAY, RealRoot
 from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.kernel.term import UNREADABLE, NotWritten, Term, factors, number, parse
 from duhem.regions.chords import Family, Suggestion, along, chords

@@ -21,16 +21,12 @@ from typing import Any
 
 from duhem.proof.kernel.curvature import over, within_ranges
 from duhem.proof.kernel.domain import ANY, NEGATIVE, POSITIVE, ZERO, Sign, StatedDomain, exact
-from duhem.proof.kernel.forms import by_forces
 from duhem.proof.kernel.pieces import CHOICES, below, chooses, pieces
-from duhem.proof.kernel.polynomial import ONE, Polynomial, in_powers, negated, slope, times, total, written
+from duhem.proof.kernel.polynomial import ONE, Polynomial, negated, slope, times, total
 from duhem.proof.kernel.stated_law import StatedFace, StatedLaw
 from duhem.proof.kernel.term import NotWritten, Term, minus, parse, product_of, sum_of
 
-__all__ = [
-    "curves_inward", "falls_from_zero", "flows_along_normals", "flows_outward", "is_a_graph", "is_steep", "rises_outward",
-    "with_convex_sums",
-]  # fmt: skip
+__all__ = ["curves_inward", "flows_along_normals", "flows_outward", "is_steep", "rises_outward", "with_convex_sums"]
 
 Condition = tuple[Polynomial, str]  # and how it stands to 0: ">", ">=" or "=="
 Identity = Mapping[str, Any]
@@ -52,31 +48,6 @@ def is_steep(law: StatedLaw, identities: Sequence[Identity]) -> bool:
         return total(*(times(d, d) for d in (_along_axis(x, g, domain) for x in law.forces)))
 
     return all(shown(square(g), ">", _on_boundary(g, sides, domain), identities, domain) for g, sides in pieces(law.g, domain))
-
-
-def falls_from_zero(law: StatedLaw) -> bool:
-    """Whether g is a polynomial that is < 0 somewhere on an axis: g(0) <= 0 with a slope along it, or g = a x^2 + b x + c, b^2 > 4 a c."""
-    domain = over(law)
-    g = domain.polynomial(law.g)
-    if not domain.facts(law.g).defined or any(not domain.constant(x) and (x.op != "name" or n < 0) for m in g for x, n in m):
-        return False
-
-    def falls(x: Term) -> bool:
-        along = in_powers({m: k for m, k in g.items() if all(y == x or domain.constant(y) for y, _ in m)}, x)
-        c, b, a = (*along, Polynomial(), Polynomial())[:3]
-        gap = total(times(b, b), times({(): Fraction(-4)}, times(a, c)))
-        here, rise, apart = (domain.facts(written(f)).sign for f in (c, b, gap))
-        return (not here & POSITIVE and not rise & ZERO) or (len(along) <= 3 and apart == POSITIVE)
-
-    return any(falls(Term("name", name=x)) for x in law.forces)
-
-
-def is_a_graph(law: StatedLaw) -> bool:
-    """Whether g = h + c z, c never 0, with a force z that is not in h: grad g is never 0."""
-    domain = over(law)
-    g = by_forces(domain.polynomial(law.g), domain)
-    lone = [f for f in law.forces if not domain.facts(written(g.get(((Term("name", name=f), 1),), {}))).sign & ZERO]
-    return any(sum(f in x.names() for m in g for x, _ in m) == 1 for f in lone)
 
 
 def flows_outward(law: StatedLaw, identities: Sequence[Identity]) -> bool:

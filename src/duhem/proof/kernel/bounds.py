@@ -1,4 +1,4 @@
-"""What is known before any rule: where a parameter lies, by its range and the constraints, and the facts of a part of a formula."""
+"""What is known before any rule: where a parameter lies, by its range, and the facts of a part of a formula."""
 
 from __future__ import annotations
 
@@ -6,21 +6,16 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cache, reduce
-from math import isqrt
 from operator import or_
 from typing import Any, NamedTuple
 
-from duhem.proof.kernel.polynomial import Polynomial, in_powers
-from duhem.proof.kernel.term import NotWritten, Term
+from duhem.proof.kernel.term import NotWritten
 
-__all__ = [
-    "ANY", "NEGATIVE", "POSITIVE", "ZERO", "Bounds", "EmptyError", "Facts", "Sign", "exact", "of_sum", "sharpened", "signs_of_product",
-]  # fmt: skip
+__all__ = ["ANY", "NEGATIVE", "POSITIVE", "ZERO", "Bounds", "Facts", "Sign", "exact", "of_sum", "signs_of_product"]
 
 Sign = int  # which of < 0, = 0, > 0 are possible; 0 for a part with no value
 NEGATIVE, ZERO, POSITIVE = 1, 2, 4
 ANY = NEGATIVE | ZERO | POSITIVE
-_PASSES = 3
 
 
 class Bounds(NamedTuple):
@@ -80,59 +75,6 @@ def exact(text: object) -> Fraction:
     if not isinstance(text, str) or "e" in text.lower():
         raise NotWritten("a number is not given as text")
     return Fraction(text)
-
-
-class EmptyError(NotWritten):
-    """No parameters meet the ranges and constraints of a law."""
-
-
-def sharpened(bounds: Mapping[str, Bounds], gaps: Sequence[tuple[Polynomial, bool]]) -> dict[str, Bounds]:
-    """Bounds and what ``gaps`` >= 0, or > 0, leave of them: what is linear in a parameter bounds it by the ends of the others.
-
-    So does what is of the second degree in one alone, by its roots.
-    """
-    found = dict(bounds)
-    for gap, sharp in [*gaps] * _PASSES:
-        for x in {x for m in gap for x, _ in m if x.name in found and all(n > 0 for m in gap for _, n in m)}:
-            found[x.name] = _left(x, in_powers(gap, x), sharp, found)
-    for known in found.values():
-        if known.low is not None and known.high is not None and not (known.low < known.high or known.holds(known.high)):
-            raise EmptyError("the domain is empty")
-    return found
-
-
-def _left(x: Term, parts: list[Polynomial], sharp: bool, bounds: Mapping[str, Bounds]) -> Bounds:
-    """What a constraint, by powers of the parameter, leaves of where it lies."""
-    known = bounds[x.name]
-    if len(parts) == 2:
-        (_, most), (least, greatest) = (_span(part, bounds) for part in parts)  # least > greatest where no values are left
-        if most is None or least is None or greatest is None or not (0 < least <= greatest or least <= greatest < 0):
-            return known
-        ends = [-most / f for f in (least, greatest)]
-        return known.above(min(ends), sharp) if least > 0 else known.below(max(ends), sharp)
-    if len(parts) == 3 and all(set(part) <= {()} for part in parts):
-        c, b, a = (part.get((), Fraction(0)) for part in parts)
-        if a < 0 and (square := b * b - 4 * a * c) >= 0:
-            root = Fraction(isqrt(square.numerator * square.denominator), square.denominator)
-            inexact = root * root != square
-            root += Fraction(inexact, square.denominator)
-            sharp = sharp and not inexact
-            return known.above((root - b) / (2 * a), sharp).below((-root - b) / (2 * a), sharp)
-    return known
-
-
-def _span(poly: Polynomial, bounds: Mapping[str, Bounds]) -> tuple[Fraction | None, Fraction | None]:
-    """Numbers between which a polynomial of degree 1 lies; None where there is none."""
-    low: Fraction | None = Fraction(0)
-    high: Fraction | None = Fraction(0)
-    for m, c in poly.items():
-        if m and (len(m) > 1 or m[0][1] != 1 or m[0][0].name not in bounds):
-            return None, None
-        ends = bounds[m[0][0].name][:2] if m else (Fraction(1), Fraction(1))
-        first, last = ends if c > 0 else ends[::-1]
-        low = None if low is None or first is None else low + c * first
-        high = None if high is None or last is None else high + c * last
-    return low, high
 
 
 # -- facts -------------------------------------------------------------------------------------------------------------

@@ -15,7 +15,15 @@ from duhem.proof.kernel.definedness import Reader, divides_by_zero_force, undeci
 from duhem.proof.kernel.domain import NEGATIVE, POSITIVE, StatedDomain
 from duhem.proof.kernel.forms import place_of
 from duhem.proof.kernel.gradient import gradient
-from duhem.proof.kernel.homogeneity import Fan, flows_with_a_share_of_g, grows_along_rays, is_cone, potential_flows_outward
+from duhem.proof.kernel.homogeneity import (
+    Fan,
+    falls_from_zero,
+    flows_with_a_share_of_g,
+    grows_along_rays,
+    is_a_graph,
+    is_cone,
+    potential_flows_outward,
+)
 from duhem.proof.kernel.identity import in_order, vanishes
 from duhem.proof.kernel.normal_form import normal
 from duhem.proof.kernel.pieces import chooses
@@ -257,7 +265,7 @@ def without_boundary(law: StatedLaw, _: Evidence) -> bool:
 def smoothness(law: StatedLaw, evidence: Evidence) -> bool:
     """g is C^1 where g = 0, and has no minimum there: it is convex and somewhere negative; or K is convex and round at its ends."""
     shape = _shape(law, evidence)
-    if not (_inside(law, evidence) or (not law.g.large and (boundary.falls_from_zero(law) or boundary.is_a_graph(law)))):
+    if not (_inside(law, evidence) or (not law.g.large and (falls_from_zero(law) or is_a_graph(law)))):
         return False
     smooth = shape.defined and shape.convex and smooth_near_the_boundary(law.g, within_ranges(law))
     return smooth or (not law.g.large and round_at_its_ends(law))
@@ -277,7 +285,7 @@ def regular_along_rays(law: StatedLaw, evidence: Evidence) -> bool:
     """
     there = law.once(where_it_has_a_value) if _inside_at_tips(law) else within_ranges(law)
     read = _where_defined(law, _over(law, evidence), there)
-    return any((boundary.is_a_graph(law) or grows_along_rays(g, place)) and smooth_near_the_boundary(g, place) for g, place in read)
+    return any((is_a_graph(law) or grows_along_rays(g, place)) and smooth_near_the_boundary(g, place) for g, place in read)
 
 
 def one_force(law: StatedLaw, evidence: Evidence) -> bool:

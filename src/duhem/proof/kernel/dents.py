@@ -28,9 +28,8 @@ from duhem.proof.kernel.normal_form import normal
 from duhem.proof.kernel.plane_function import PlaneFunction, Signs, inner
 from duhem.proof.kernel.plane_gauge import StarGauge, in_the_plane
 from duhem.proof.kernel.polynomial import Monomial, Polynomial, in_powers, negated, replaced, slope, times, total, written
-from duhem.proof.kernel.real_root import RealRoot
 from duhem.proof.kernel.semidefinite import catalecticant, homogeneous_parts, in_coordinates
-from duhem.proof.kernel.signs import RAY, Interval, nonnegative
+from duhem.proof.kernel.signs import RAY, Interval, RealRoot, nonnegative
 from duhem.proof.kernel.simpler_laws import in_principal_stresses, without_outer_map
 from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.kernel.term import NotWritten, Term, factors, minus, number, product_of, sum_of

@@ -12,9 +12,10 @@ from copy import copy
 from fractions import Fraction
 from functools import reduce
 from itertools import combinations_with_replacement, islice, product
+from math import isqrt
 from typing import Any
 
-from duhem.proof.kernel.bounds import ANY, NEGATIVE, POSITIVE, ZERO, Bounds, Facts, Sign, exact, sharpened, signs_of_product
+from duhem.proof.kernel.bounds import ANY, NEGATIVE, POSITIVE, ZERO, Bounds, Facts, Sign, exact, signs_of_product
 from duhem.proof.kernel.constant_value import ordered, span
 from duhem.proof.kernel.polynomial import (
     ONE,
@@ -36,12 +37,13 @@ from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.kernel.steps import pay
 from duhem.proof.kernel.term import NotWritten, Term, minus, number, product_of, sum_of
 
-__all__ = ["ANY", "NEGATIVE", "POSITIVE", "ZERO", "Bounds", "Sign", "StatedDomain", "exact", "gap"]
+__all__ = ["ANY", "NEGATIVE", "POSITIVE", "ZERO", "Bounds", "EmptyError", "Sign", "StatedDomain", "exact", "gap"]
 
 _MOST_POWER, _MOST_POWER_OF_ONE, _MOST_CHOICES = 12, 64, 64  # of a sum; of a single term
 _MOST_PAIRS = 40  # of a term of a formula and one of a constraint, for two constraints to be tried together
 _MOST_OF_PRODUCT, _MOST_SIZES = 16, 2  # pairs of terms of two constraints; sizes in one
 _FEW, _SHORT = 4, 12  # words that are no names, and terms, of which ends of spans are tried
+_PASSES = 3  # over the constraints, as ends that one leaves are used by the next
 _HALF = number(Fraction(1, 2))
 _AT_ZERO = dict.fromkeys(("exp", "cos", "cosh"), 1) | dict.fromkeys(("sin", "tan", "asin", "atan", "sinh", "tanh"), 0)
 
@@ -385,3 +387,59 @@ def gap(comparison: Term) -> Term:
     """What a comparison says is >= 0."""
     left, right = comparison.args if comparison.op in (">", ">=") else comparison.args[::-1]
     return Term("+", (left, minus(right)))
+
+
+# -- ranges --------------------------------------------------------------------------------------------------------------
+
+
+class EmptyError(NotWritten):
+    """No parameters meet the ranges and constraints of a law."""
+
+
+def sharpened(bounds: Mapping[str, Bounds], gaps: _Gaps) -> dict[str, Bounds]:
+    """Bounds and what ``gaps`` >= 0, or > 0, leave of them: what is linear in a parameter bounds it by the ends of the others.
+
+    So does what is of the second degree in one alone, by its roots.
+    """
+    found = dict(bounds)
+    for gap, sharp in [*gaps] * _PASSES:
+        for x in {x for m in gap for x, _ in m if x.name in found and all(n > 0 for m in gap for _, n in m)}:
+            found[x.name] = _left(x, in_powers(gap, x), sharp, found)
+    for known in found.values():
+        if known.low is not None and known.high is not None and not (known.low < known.high or known.holds(known.high)):
+            raise EmptyError("the domain is empty")
+    return found
+
+
+def _left(x: Term, parts: list[Polynomial], sharp: bool, bounds: Mapping[str, Bounds]) -> Bounds:
+    """What a constraint, by powers of the parameter, leaves of where it lies."""
+    known = bounds[x.name]
+    if len(parts) == 2:
+        (_, most), (least, greatest) = (_span(part, bounds) for part in parts)  # least > greatest where no values are left
+        if most is None or least is None or greatest is None or not (0 < least <= greatest or least <= greatest < 0):
+            return known
+        ends = [-most / f for f in (least, greatest)]
+        return known.above(min(ends), sharp) if least > 0 else known.below(max(ends), sharp)
+    if len(parts) == 3 and all(set(part) <= {()} for part in parts):
+        c, b, a = (part.get((), Fraction(0)) for part in parts)
+        if a < 0 and (square := b * b - 4 * a * c) >= 0:
+            root = Fraction(isqrt(square.numerator * square.denominator), square.denominator)
+            inexact = root * root != square
+            root += Fraction(inexact, square.denominator)
+            sharp = sharp and not inexact
+            return known.above((root - b) / (2 * a), sharp).below((-root - b) / (2 * a), sharp)
+    return known
+
+
+def _span(poly: Polynomial, bounds: Mapping[str, Bounds]) -> tuple[Fraction | None, Fraction | None]:
+    """Numbers between which a polynomial of degree 1 lies; None where there is none."""
+    low: Fraction | None = Fraction(0)
+    high: Fraction | None = Fraction(0)
+    for m, c in poly.items():
+        if m and (len(m) > 1 or m[0][1] != 1 or m[0][0].name not in bounds):
+            return None, None
+        ends = bounds[m[0][0].name][:2] if m else (Fraction(1), Fraction(1))
+        first, last = ends if c > 0 else ends[::-1]
+        low = None if low is None or first is None else low + c * first
+        high = None if high is None or last is None else high + c * last
+    return low, high

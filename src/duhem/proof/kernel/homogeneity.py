@@ -25,24 +25,27 @@ numbers, with roots perhaps, so that what is asked on them is the sign of a numb
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Sequence
+from fractions import Fraction
 from itertools import pairwise
 from typing import NamedTuple
 
-from duhem.proof.kernel.boundary import falls_from_zero, is_a_graph
 from duhem.proof.kernel.curvature import over, within_ranges
 from duhem.proof.kernel.definedness import undecided_beside
 from duhem.proof.kernel.domain import NEGATIVE, POSITIVE, ZERO, Sign, StatedDomain, gap
-from duhem.proof.kernel.forms import affine
+from duhem.proof.kernel.forms import affine, by_forces
 from duhem.proof.kernel.gradient import gradient
 from duhem.proof.kernel.identity import in_order, signs_as_sizes, vanishes, written_in_order
 from duhem.proof.kernel.normal_form import normal
 from duhem.proof.kernel.pieces import CHOICES, chooses, pieces
-from duhem.proof.kernel.polynomial import Monomial, Polynomial, joined, written
+from duhem.proof.kernel.polynomial import Monomial, Polynomial, in_powers, joined, times, total, written
 from duhem.proof.kernel.regularity import tips
 from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.kernel.term import COMPARISONS, NotWritten, Term, minus, number, product_of, sum_of
 
-__all__ = ["Fan", "by_degree", "flows_with_a_share_of_g", "grows_along_rays", "is_cone", "potential_flows_outward"]
+__all__ = [
+    "Fan", "by_degree", "falls_from_zero", "flows_with_a_share_of_g", "grows_along_rays", "is_a_graph", "is_cone",
+    "potential_flows_outward",
+]  # fmt: skip
 
 _JUMPING = ("where", "atan2")
 _ALIKE = ("abs", "pos", "neg", "norm", "max", "min", "eigmax")
@@ -66,6 +69,31 @@ def _is_steep(g: Term, domain: StatedDomain) -> bool:
     """Whether no limit of grad g is 0 where g = 0: g is h + c z, z a force, or convex and somewhere < 0 (they are subgradients)."""
     law = domain.law._replace(g=g)
     return is_a_graph(law) or (over(law).facts(g).convex and falls_from_zero(law))
+
+
+def falls_from_zero(law: StatedLaw) -> bool:
+    """Whether g is a polynomial that is < 0 somewhere on an axis: g(0) <= 0 with a slope along it, or g = a x^2 + b x + c, b^2 > 4 a c."""
+    domain = over(law)
+    g = domain.polynomial(law.g)
+    if not domain.facts(law.g).defined or any(not domain.constant(x) and (x.op != "name" or n < 0) for m in g for x, n in m):
+        return False
+
+    def falls(x: Term) -> bool:
+        along = in_powers({m: k for m, k in g.items() if all(y == x or domain.constant(y) for y, _ in m)}, x)
+        c, b, a = (*along, Polynomial(), Polynomial())[:3]
+        discriminant = total(times(b, b), times({(): Fraction(-4)}, times(a, c)))
+        here, rise, apart = (domain.facts(written(f)).sign for f in (c, b, discriminant))
+        return (not here & POSITIVE and not rise & ZERO) or (len(along) <= 3 and apart == POSITIVE)
+
+    return any(falls(Term("name", name=x)) for x in law.forces)
+
+
+def is_a_graph(law: StatedLaw) -> bool:
+    """Whether g = h + c z, c never 0, with a force z that is not in h: grad g is never 0."""
+    domain = over(law)
+    g = by_forces(domain.polynomial(law.g), domain)
+    lone = [f for f in law.forces if not domain.facts(written(g.get(((Term("name", name=f), 1),), {}))).sign & ZERO]
+    return any(sum(f in x.names() for m in g for x, _ in m) == 1 for f in lone)
 
 
 def is_cone(g: Term, domain: StatedDomain) -> bool:

@@ -20,7 +20,7 @@ from duhem.proof.kernel.dents import dents, falls_both_ways
 from duhem.proof.kernel.domain import StatedDomain
 from duhem.proof.kernel.forms import place_of
 from duhem.proof.kernel.normal_form import normal
-from duhem.proof.kernel.real_root import RealRoot
+from duhem.proof.kernel.signs import RealRoot
 from duhem.proof.kernel.stated_law import StatedLaw, as_list, as_object, without_more
 from duhem.proof.kernel.term import UNREADABLE, NotWritten, Term, in_words, minus, number, parse, product_of, sum_of
 

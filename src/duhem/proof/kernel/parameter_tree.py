@@ -14,12 +14,12 @@ from contextlib import suppress
 from fractions import Fraction
 from typing import Any, NamedTuple
 
-from duhem.proof.kernel.bounds import Bounds, EmptyError
+from duhem.proof.kernel.bounds import Bounds
 from duhem.proof.kernel.certificate import check_version, law_of
 from duhem.proof.kernel.constant_value import exact_value
 from duhem.proof.kernel.curvature import over
 from duhem.proof.kernel.definedness import AGAINST, Reader
-from duhem.proof.kernel.domain import gap
+from duhem.proof.kernel.domain import EmptyError, gap
 from duhem.proof.kernel.obligations import constraints, numbers
 from duhem.proof.kernel.parameter_cells import family_fails, proof_fails, settled
 from duhem.proof.kernel.stated_law import StatedLaw, as_list, as_object, without_more

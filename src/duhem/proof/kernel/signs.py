@@ -1,6 +1,7 @@
 """Signs over the whole domain of a law: of its constants, and of polynomials of one variable with constants as coefficients.
 
-Of numbers alone Sturm's theorem tells a polynomial's sign on an interval, in whole numbers, roots of even multiplicity told apart.
+Of numbers alone Sturm's theorem tells a polynomial's sign on an interval, in whole numbers, roots of even multiplicity told apart.  A real
+algebraic number is the root of such a polynomial between two fractions, or one fraction.
 
 A constant x between two ends is written as the mean of them with weights 1 and u >= 0 (or as its distance from the one end);
 with n its degree, (1 + u)^n P is a polynomial in u whose coefficients are P's Bernstein coefficients.  Where none of them is
@@ -21,22 +22,24 @@ first; all but the first are for sums, products and names:
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from fractions import Fraction
 from itertools import pairwise, product
 from math import gcd, lcm
+from typing import Any, NamedTuple
 
 from duhem.proof.kernel.bounds import Bounds
 from duhem.proof.kernel.constant_value import sign_of_radicals, sign_over
-from duhem.proof.kernel.domain import ANY, NEGATIVE, POSITIVE, ZERO, Sign, StatedDomain
+from duhem.proof.kernel.domain import ANY, NEGATIVE, POSITIVE, ZERO, Sign, StatedDomain, exact
 from duhem.proof.kernel.identity import multiplied_through
 from duhem.proof.kernel.polynomial import Polynomial, in_powers, joined, replaced, root_of_square, times, total, written
+from duhem.proof.kernel.stated_law import as_list, without_more
 from duhem.proof.kernel.term import ENDS, NotWritten, Term, factors, minus, number, product_of, sum_of
 
 __all__ = [
-    "RAY", "Interval", "Line", "common_roots", "divided_by", "divides", "line", "nonnegative", "nonnegative_on_the_line", "on_the_line",
-    "parts", "roots", "roots_between", "roots_of_both", "sign_at", "sign_inside", "sign_of_constant", "without_content",
+    "RAY", "Interval", "Line", "RealRoot", "common_roots", "divided_by", "divides", "line", "nonnegative", "nonnegative_on_the_line",
+    "on_the_line", "parts", "roots", "roots_between", "roots_of_both", "sign_at", "sign_inside", "sign_of_constant", "without_content",
 ]  # fmt: skip
 
 Line = tuple[int, ...]  # the coefficients of a polynomial, that of 1 first, none at the top 0; a positive factor is as good as none
@@ -45,6 +48,7 @@ RAY = Term("name", name="the ray's")  # no name of a law has blanks
 _FINEST = Fraction(1, 2**30)  # a root is enclosed at least as finely as this
 _MOST_HALVINGS = 3
 _MOST_DEGREE = 80  # about ten seconds of Sturm's theorem
+_MOST_DEGREE_OF_A_NUMBER = 24
 _MOST_SHARES = 100_000  # terms of polynomials, times their degrees, of one question
 _LINEAR = 60  # terms of a polynomial that is looked at where a parameter has its ends
 _FEW, _SHORT = 3, 12  # names and terms of a polynomial
@@ -416,3 +420,48 @@ def roots(p: Line, low: Fraction, high: Fraction) -> Iterator[tuple[Fraction, Fr
             yield from between(middle, b)
 
     return between(low, high)
+
+
+class RealRoot(NamedTuple):
+    """The one root of ``poly`` in (low, high), at which it changes its sign; the number ``low`` where that is ``high``."""
+
+    poly: Line
+    low: Fraction
+    high: Fraction
+
+    @classmethod
+    def of(cls, x: Fraction) -> RealRoot:
+        """A fraction."""
+        return cls((-x.numerator, x.denominator), x, x)
+
+    @classmethod
+    def read(cls, given: Mapping[str, Any]) -> RealRoot:
+        """``{"value": "1/2"}``, or ``{"polynomial": ["-2", "0", "1"], "enclosure": ["1", "3/2"]}``, the coefficient of 1 first."""
+        if "value" in given:
+            return cls.of(exact(without_more(given, {"value"})["value"]))
+        low, high = map(exact, as_list(without_more(given, {"polynomial", "enclosure"})["enclosure"]))
+        poly = line(map(exact, as_list(given["polynomial"])))
+        if not 2 < len(poly) <= _MOST_DEGREE_OF_A_NUMBER + 1 or not low < high or sign_at(poly, low) * sign_at(poly, high) >= 0:
+            raise NotWritten("a number is no root of its polynomial between its ends")
+        if roots_between(poly, low, high) != 1:
+            raise NotWritten("a polynomial has several roots between two ends")
+        return cls(poly, low, high)
+
+    def written(self) -> dict[str, Any]:
+        """As :meth:`read` takes it."""
+        if self.exact:
+            return {"value": str(self.low)}
+        return {"polynomial": [str(c) for c in self.poly], "enclosure": [str(self.low), str(self.high)]}
+
+    @property
+    def exact(self) -> bool:
+        """Whether it is known as a fraction."""
+        return self.low == self.high
+
+    def below(self, other: RealRoot) -> bool:
+        """Whether it is seen to be less than another."""
+        return self.high < other.low or (self.high == other.low and not (self.exact and other.exact))
+
+    def reduced(self, poly: Polynomial) -> Polynomial:
+        """A polynomial with the same value where the variable is this number: its rest by the polynomial of the number."""
+        return poly if self.exact else divided_by(poly, self.poly)[1]
