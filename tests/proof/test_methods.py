@@ -13,7 +13,7 @@ import pytest
 import duhem.proof
 from duhem import InputError, load
 from duhem.law.curve_law import ParametricCriterion
-from duhem.proof.claims import CLAIMS, Claim, ProofMethod, Rules, words
+from duhem.proof.claims import CLAIMS, EVERY, Claim, ProofMethod, Rules, words
 from duhem.proof.facts.curve_subject import CurveSubject
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.facts.subject import Subject, fact
@@ -46,6 +46,12 @@ def test_each_method_of_a_claim_has_words_of_its_own(claim: Claim, kind: type[Su
     assert len(set(called)) == len(called) and all(re.fullmatch("[a-z]+( [a-z]+)*", each) and len(each) < 32 for each in called)
 
 
+def test_the_text_explains_every_claim_and_nothing_else() -> None:
+    sections = (f"# {name}\n\n{claim.theory}\n" for name, claim in EVERY.items())
+    assert "\n".join(sections) == (ROOM / "theory.txt").read_text("utf-8")
+    assert all(claim.theory for claim in EVERY.values()) and Claim("none", "", ()).theory == ""
+
+
 def test_a_method_is_asked_about_the_laws_it_takes_alone() -> None:
     asked: list[str] = []
 
@@ -61,15 +67,13 @@ def test_a_method_is_asked_about_the_laws_it_takes_alone() -> None:
         asked.append("formula")
         return PROVED
 
-    claim = Claim(
-        "made up", "", "", (ProofMethod(CurveSubject, curve), ProofMethod(Subject, any_law), ProofMethod(FormulaSubject, formula))
-    )
+    claim = Claim("made up", "", (ProofMethod(CurveSubject, curve), ProofMethod(Subject, any_law), ProofMethod(FormulaSubject, formula)))
     assert claim.examine(FormulaSubject(load("coulomb")), {}) is PROVED and asked == ["any law", "formula"]
     assert claim.examine(CurveSubject(DISK), {}) is PROVED and asked[2:] == ["curve"]
     told: list[tuple[str, str]] = []
     claim.examine(FormulaSubject(load("coulomb")), {}, on_method=lambda name, method, budget: told.append((name, method)))
     assert told == [("made up", "test methods any law"), ("made up", "test methods formula")]
-    assert Claim("none", "", "", ()).examine(FormulaSubject(load("coulomb")), {}).verdict is Verdict.UNDECIDED
+    assert Claim("none", "", ()).examine(FormulaSubject(load("coulomb")), {}).verdict is Verdict.UNDECIDED
 
 
 @pytest.mark.parametrize("later", [Verdict.TESTED, Verdict.PROVED, None])
@@ -81,7 +85,7 @@ def test_a_method_that_stops_at_a_number_too_large_is_told_beside_an_open_verdic
         return None if later is None else Evidence(later, "later", "as it is")
 
     methods = (ProofMethod(FormulaSubject, stops), ProofMethod(FormulaSubject, answers))
-    found = Claim("two", "", "", methods).examine(FormulaSubject(load("coulomb")), {})
+    found = Claim("two", "", methods).examine(FormulaSubject(load("coulomb")), {})
     assert found.verdict is (later or Verdict.UNDECIDED)
     assert found.detail.endswith("; not all methods could try: k is too large for double precision") == (later is not Verdict.PROVED)
 

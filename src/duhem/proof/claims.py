@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 from functools import partial
+from pathlib import Path
 from types import MappingProxyType
 from typing import Any, Generic, Protocol, TypeVar
 
@@ -113,10 +114,15 @@ class Claim:
 
     name: str
     statement: str
-    theory: str
     methods: tuple[Method, ...]
     needs: tuple[str, ...] = ()
     steps: int = 16_000_000
+
+    @property
+    def theory(self) -> str:
+        """What the claim says and how it is decided, in paragraphs: the section of ``theory.txt`` under its name."""
+        text = Path(__file__).with_name("theory.txt").read_text("utf-8")
+        return text.partition(f"# {self.name}\n")[2].partition("\n# ")[0].strip()
 
     def examine(
         self, subject: Subject, settled: Settled, kernel: Kernel | None = None, on_method: Callable[[str, str, Budget], None] | None = None
@@ -185,16 +191,6 @@ _ALL = (
     Claim(
         name="origin",
         statement="0 is in K(sigma_n) for every sigma_n < 0",
-        theory="""\
-K is the set of admissible stresses.  Zero stress must be admissible: g(0) <= 0 for every pressure and for all parameters.  Then
-the indicator function of K, which is the pseudo-potential Phi*, has its minimum 0 at zero force (Antoni et al. 2007, Eqs. 27,
-34).  Together with normality, this implies that the dissipation is never negative.
-
-Proof: duhem evaluates g at zero force and decides its sign for all parameters.  If g is 0/0 there, duhem uses the closure of K,
-provided that K is star-shaped about 0.  Otherwise the claim stays undecided, and its argument says where g has no value.
-
-If the law has a boundary curve T, then K consists of the points around which the curve winds.  duhem counts the turns of T
-around 0, or proves T x T' > 0, or proves T . d > 0, so that T turns as often as the flow d.""",
         methods=(
             CHEAP,
             WITHOUT_K,
@@ -210,20 +206,6 @@ around 0, or proves T x T' > 0, or proves T . d > 0, so that T turns as often as
     Claim(
         name="convexity",
         statement="K(sigma_n) = {g <= 0} is convex for every sigma_n < 0",
-        theory="""\
-The claim concerns the set K, not the function g: sqrt(|s|) - 1 is not a convex function, but its set K is convex.
-
-There are several kinds of proof.  Composition: g is quasiconvex by the rules of disciplined convex programming, with sums of
-squares for polynomials.  Polyhedra: K is the intersection of its half-spaces.  Gauge (a function of degree 1 with K = {gamma <=
-1}), for two forces: gamma'' + gamma >= 0, including the jumps of gamma' at seams, the lines where the formula of g changes.
-Fan: g has one formula in each cone between two rays.  Boundary: the boundary curves inward everywhere, and its kinks point
-outward.
-
-Refutation: two points of K whose midpoint lies outside K, in exact arithmetic.  duhem searches for them across dents and kinks,
-at the points of K that are farthest in a direction, and between or beside exact points of faces and edges.
-
-If the law has a boundary curve T, K is convex if T' x T'' > 0 and the tangent turns once.  The claim is refuted if a triangle
-of boundary points contains a point around which the curve does not wind.""",
         methods=(
             CHEAP,
             WITHOUT_K,
@@ -253,18 +235,6 @@ of boundary points contains a point around which the curve does not wind.""",
     Claim(
         name="smoothness",
         statement="the boundary of K(sigma_n), sigma_n < 0, is C^1 in the forces: the outward unit normal is continuous along g = 0",
-        theory="""\
-If the boundary is C^1 (its normal is continuous), the slip direction is a function of the stress.  At a corner, the slip
-direction can be any direction of a cone.  A law with corners can still be admissible.
-
-A kink of abs, pos or neg disappears under an even power or inside a Euclidean norm.  This is why Eq. (35) is C^1 across its
-seams, although its formula differs in the four quadrants.  The tip at zero force, where g has no gradient, lies inside K for
-sigma_n < 0 and does not belong to the boundary.
-
-Refutation: a corner that is enclosed in a box, with two normals that are provably not parallel; or an exact point from which
-open cones about two directions leave K, which are opposite or have a ray into K between them.
-
-A boundary curve is C^1 if it does not cross itself (it is convex, or T x T' > 0), is analytic in its angle, and T' is never 0.""",
         methods=(
             CHEAP,
             WITHOUT_K,
@@ -284,22 +254,6 @@ A boundary curve is C^1 if it does not cross itself (it is convex, or T x T' > 0
     Claim(
         name="normality",
         statement="the flow direction lies in the normal cone of K at every boundary point",
-        theory="""\
-Normality rule (Moreau 1970; Antoni et al. 2007, Eqs. 28, 36): the slip rate u_in' lies in the normal cone of K at the stress
-sigma, in the tangential plane, while the pressure sigma_n is held fixed.  A direction d lies in the normal cone at sigma
-exactly if d . (tau - sigma) <= 0 for all tau in K.
-
-An associated law obeys this rule by definition if K is convex.  If K is not convex, grad g violates the rule where a chord
-leaves K.  A law with its own flow direction obeys the rule if this flow is a non-negative multiple of grad g on the boundary.
-
-If several surfaces bound K, the slip at a point is a non-negative combination of the flows of those surfaces that are 0 there
-(Koiter 1953). Each of these flows must lie in the normal cone of K wherever its surface is 0 in K.  A surface without its own
-flow slips along the normals of its set {g <= 0}.  These are also normals of K, because K is a subset of this set.
-
-Refutation: a boundary point, enclosed between two rational points, and a point tau of K towards which the flow points.  For a
-boundary curve, duhem finds the angle with the greatest deviation between flow and normal by branch and bound with interval
-bounds.  Forces that are functions of the rates are normal if they are the gradient of a convex potential of these: two rates
-between which they decrease refute it.""",
         methods=(
             CHEAP,
             ProofMethod(RateSubject, refuters.normality_of_rates, again=True),
@@ -316,21 +270,6 @@ between which they decrease refute it.""",
     Claim(
         name="dissipation",
         statement="force . flow >= 0 at every boundary point",
-        theory="""\
-The intrinsic dissipation of the law is D = sigma . u_in' (Clausius-Duhem inequality, Antoni et al. 2007, Eqs. 22, 23).  It must
-never be negative.
-
-If 0 lies in K and the normality rule holds, then D = Phi*(sigma) + Phi(u_in') >= 0 (Fenchel).  But the claim can hold without
-these two.  A star-shaped K with associated flow dissipates by Euler's relation, and so does g = A - B with homogeneous A and B
-of degrees a > b and B > 0. A law with its own flow direction may dissipate too.
-
-At a tip of K the flow may have no value.  There the slip is any mean of limits of the flow (Koiter 1953).  If there are several
-surfaces, duhem examines each flow wherever its surface is 0 in K.  Then every non-negative combination of the flows dissipates
-too.
-
-Refutation: a boundary point, enclosed between two rational points, with force . flow < 0 in the whole box.  For a boundary
-curve T with the flow d, duhem decides the sign of T . d at all angles; of forces that are functions of the rates, that of
-force . rate.""",
         methods=(
             CHEAP,
             ProofMethod(RateSubject, refuters.dissipation_of_rates, again=True),
@@ -350,28 +289,11 @@ force . rate.""",
     Claim(
         name="duality",
         statement="the dissipation potential in closed form is the support function of K",
-        theory="""\
-The dissipation potential is the support function of K: Phi(d) is the largest value of sigma . d for sigma in K
-(Legendre-Fenchel).  If K = {gauge <= radius}, it is the radius times the polar gauge, the gauge of the dual set (Rockafellar
-1970, Theorems 14.5, 15.3).  For Eq. (35): Phi(d) = |sigma_n| sqrt((mu_a^+- d_a)^2 + (mu_b^+- d_b)^2), with the sign of d_i in
-each term, and Phi** = Phi.
-
-If the rules find no closed form, there is nothing to prove or refute, and the verdict is not applicable.""",
         methods=(WITHOUT_K, ProofMethod(FormulaSubject, evidence.duality), ProofMethod(CurveSubject, curves.duality), _NO_DUAL),
     ),
     Claim(
         name="state_laws",
         statement="sigma = dpsi/du = -dpsi/du_in, psi convex in (u, u_in) and concave in the temperature",
-        theory="""\
-The forces are derivatives of the free energy psi: sigma = dpsi/du of an observable u, sigma = -dpsi/du_in of its slip, and Y =
--dpsi/dalpha of any other variable alpha (Antoni et al. 2007, Eqs. 25, 26, 31).  psi must give the same stress by u and by u_in,
-and be convex in all variables together but the temperature, in which it must be concave.
-
-A law that states no energy has psi = (u - u_in) . k (u - u_in)/2 (Eq. 30) with a symmetric positive semidefinite stiffness k.
-Then the claim holds by construction, since psi is a sum of squares of linear functions, and duhem does not count it as a proof.
-
-If the law has an energy, duhem decides the claim.  Proof: the rules of composition for {psi <= z}, and sums of squares.
-Refutation: two states and their midpoint, at which psi lies above the mean, or below it along the temperature.""",
         methods=(
             CHEAP,
             ProofMethod(FormulaSubject, evidence.state_laws_not_stated),
@@ -385,15 +307,6 @@ Refutation: two states and their midpoint, at which psi lies above the mean, or 
     Claim(
         name="thermal",
         statement="D_th >= 0: heat flows from the warmer to the colder, for all temperatures > 0",
-        theory="""\
-The thermal dissipation of an interface at the temperature T between bodies at T_k is D_th = sum of (q_k . n_k/T_k) (T_k - T)
-(Antoni et al. 2007, Eqs. 22, 23).  Only a law with [heat] makes this claim: there q_k . n_k = h_k (T_k - T) with a conductance
-h_k, so that D_th is the sum of h_k (T_k - T)^2/T_k.  It is >= 0 for all T > 0 and T_k > 0 if every h_k is.
-
-The interface takes up the heat T ds/dt = D_intr + sum of q_k . n_k, with the entropy s = -dpsi/dT.  This equation gives the rate of
-T, so there is nothing to prove about it.
-
-Refutation: temperatures, and a state, at which D_th < 0.""",
         methods=(CHEAP, ProofMethod(Subject, evidence.without_heat), ProofMethod(FormulaSubject, refuters.heat_uphill, again=True), DEAR),
     ),
 )
@@ -401,24 +314,11 @@ _TOGETHER = (
     Claim(
         name="homogeneity",
         statement="K(sigma_n) = |sigma_n| K(-1) for every sigma_n < 0",
-        theory="""\
-K grows in proportion to the pressure.  This holds for Coulomb's law and every gauge, but not with a cohesion or a cap on the stress.
-
-Proof: g is positively homogeneous in the forces and the pressure together.  Refutation: a point of K and a multiple outside K.""",
         methods=(CHEAP, SPELLED_OTHERWISE, WITHOUT_K, ProofMethod(FormulaSubject, coupled.homogeneity_along_rays)),
     ),
     Claim(
         name="bipotential",
         statement="b = I(sigma in p K(-1)) + I(v_n >= 0) + p Phi_1(d) >= sigma . d - p v_n, p = |sigma_n|, and equal on the law alone",
-        theory="""\
-Unilateral contact with friction: p >= 0, v_n >= 0, p v_n = 0 with the opening rate v_n, and the slip d is normal to K at sigma.
-Normality in (sigma, p) together would open the contact by v_n = Phi_1(d), the support function of K(-1).  The law is not
-associated in this sense, but it has de Saxcé's bipotential b (de Saxcé, Feng 1991), convex in (d, v_n) and in (sigma, p).
-Where Phi_1(d) is infinite, so is b, at p = 0 too.
-
-Proof: b - (sigma . d - p v_n) = (p Phi_1(d) - sigma . d) + p v_n, two terms >= 0.  It rests on homogeneity, origin, convexity and
-normality, all confirmed by the kernel, and on duality if Phi_1 has a closed form; for a law with its own flow direction on
-smoothness.  Refutation: a slip of the law that is not normal to K.""",
         methods=(
             Consequence(Subject, coupled.bipotential_of_no_cone),
             Finder(Subject, coupled.bipotential),
