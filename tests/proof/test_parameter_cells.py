@@ -16,8 +16,7 @@ from duhem.law.catalogue import load
 from duhem.proof.certificate import law_as_text
 from duhem.proof.kernel.certificate import stated
 from duhem.proof.kernel.domain import Bounds
-from duhem.proof.kernel.parameter_cells import at_values, family_fails, own_domain, settled
-from duhem.proof.kernel.parameter_tree import law_where, read_comparison
+from duhem.proof.kernel.parameter_tree import at_values, family_fails, law_where, own_domain, read_comparison, settled
 from duhem.proof.kernel.polynomial import Polynomial, in_powers
 from duhem.proof.kernel.signs import RAY, RealRoot, line, roots_between, sign_at
 from duhem.proof.kernel.stated_law import StatedLaw

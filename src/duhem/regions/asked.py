@@ -19,7 +19,7 @@ from duhem.proof.certificate import law_as_text
 from duhem.proof.facts.formula_subject import admitted_values
 from duhem.proof.kernel.claims import objection, row_of, rules_of
 from duhem.proof.kernel.dents import Dent
-from duhem.proof.kernel.parameter_cells import at_values, family_fails, proof_fails, settled
+from duhem.proof.kernel.parameter_tree import at_values, family_fails, proof_fails, settled
 from duhem.proof.kernel.signs import RealRoot
 from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.kernel.steps import TooDearError, within

@@ -32,8 +32,7 @@ from duhem.proof.kernel.definedness import AGAINST
 from duhem.proof.kernel.dents import Dent, form_of
 from duhem.proof.kernel.domain import NEGATIVE, POSITIVE
 from duhem.proof.kernel.forms import principal_minors
-from duhem.proof.kernel.parameter_cells import at_values, own_domain
-from duhem.proof.kernel.parameter_tree import law_where, not_outside, recheck_tree
+from duhem.proof.kernel.parameter_tree import at_values, law_where, not_outside, own_domain, recheck_tree
 from duhem.proof.kernel.polynomial import Polynomial, in_powers, replaced, written
 from duhem.proof.kernel.signs import RAY
 from duhem.proof.kernel.stated_law import StatedLaw

@@ -12,7 +12,7 @@ from fractions import Fraction
 from itertools import islice, pairwise
 
 from duhem.proof.kernel.bounds import Bounds
-from duhem.proof.kernel.parameter_cells import own_domain
+from duhem.proof.kernel.parameter_tree import own_domain
 from duhem.proof.kernel.signs import RealRoot
 from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.regions.asked import AsksTheKernel

@@ -52,8 +52,7 @@ class Bounds(NamedTuple):
 
     def holds(self, x: Fraction) -> bool:
         """Whether ``x`` lies in it."""
-        beyond_low = self.low is None or x > self.low or (x == self.low and not self.open)
-        return beyond_low and (self.high is None or x < self.high or (x == self.high and not self.open_high))
+        return self.covers(Bounds(x, x))
 
     def covers(self, other: Bounds) -> bool:
         """Whether all of another lies in it."""

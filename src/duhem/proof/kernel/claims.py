@@ -7,6 +7,7 @@ from contextlib import suppress
 from typing import Any, NamedTuple
 
 from duhem.proof.kernel import boundary, obligations, state
+from duhem.proof.kernel import homogeneity as degrees
 from duhem.proof.kernel.bounds import Facts
 from duhem.proof.kernel.boxes import convex_in_its_box, smooth_in_its_box
 from duhem.proof.kernel.curvature import over, within_ranges
@@ -15,15 +16,6 @@ from duhem.proof.kernel.definedness import Reader, divides_by_zero_force, undeci
 from duhem.proof.kernel.domain import NEGATIVE, POSITIVE, StatedDomain
 from duhem.proof.kernel.forms import place_of
 from duhem.proof.kernel.gradient import gradient
-from duhem.proof.kernel.homogeneity import (
-    Fan,
-    falls_from_zero,
-    flows_with_a_share_of_g,
-    grows_along_rays,
-    is_a_graph,
-    is_cone,
-    potential_flows_outward,
-)
 from duhem.proof.kernel.identity import in_order, vanishes
 from duhem.proof.kernel.normal_form import normal
 from duhem.proof.kernel.pieces import chooses
@@ -243,9 +235,8 @@ def convexity(law: StatedLaw, evidence: Evidence) -> bool:
 
 def curved(law: StatedLaw, evidence: Evidence) -> bool:
     """g is negative at the origin, rises outward where it is 0, and is smooth there and curves inward unless K is an interval."""
-    if not (_inside(law, {}) and boundary.rises_outward(law, evidence["outward"])):
-        return False
-    return len(law.forces) == 1 or boundary.curves_inward(law, evidence["directions"], evidence["inward"])
+    rises = _inside(law, {}) and boundary.rises_outward(law, evidence["outward"])
+    return rises and (len(law.forces) == 1 or boundary.curves_inward(law, evidence["directions"], evidence["inward"]))
 
 
 def polyhedral(law: StatedLaw, _: Evidence) -> bool:
@@ -265,7 +256,7 @@ def without_boundary(law: StatedLaw, _: Evidence) -> bool:
 def smoothness(law: StatedLaw, evidence: Evidence) -> bool:
     """g is C^1 where g = 0, and has no minimum there: it is convex and somewhere negative; or K is convex and round at its ends."""
     shape = _shape(law, evidence)
-    if not (_inside(law, evidence) or (not law.g.large and (falls_from_zero(law) or is_a_graph(law)))):
+    if not (_inside(law, evidence) or (not law.g.large and (degrees.falls_from_zero(law) or degrees.is_a_graph(law)))):
         return False
     smooth = shape.defined and shape.convex and smooth_near_the_boundary(law.g, within_ranges(law))
     return smooth or (not law.g.large and round_at_its_ends(law))
@@ -285,7 +276,7 @@ def regular_along_rays(law: StatedLaw, evidence: Evidence) -> bool:
     """
     there = law.once(where_it_has_a_value) if _inside_at_tips(law) else within_ranges(law)
     read = _where_defined(law, _over(law, evidence), there)
-    return any((is_a_graph(law) or grows_along_rays(g, place)) and smooth_near_the_boundary(g, place) for g, place in read)
+    return any((degrees.is_a_graph(law) or degrees.grows_along_rays(g, place)) and smooth_near_the_boundary(g, place) for g, place in read)
 
 
 def one_force(law: StatedLaw, evidence: Evidence) -> bool:
@@ -320,8 +311,8 @@ def euler(law: StatedLaw, _: Evidence) -> bool:
 
 def homogeneity(law: StatedLaw, _: Evidence) -> bool:
     """d g(r sigma)/dr >= 0 at r = 1 wherever g = 0, and no limit of grad g is 0: so sigma . n >= 0 for each; or K is a cone: it is 0."""
-    there = law.once(where_it_has_a_value)
-    return law.associated and any(is_cone(g, domain) or grows_along_rays(g, domain) for g, domain in _where_defined(law, over(law), there))
+    read = _where_defined(law, over(law), law.once(where_it_has_a_value))
+    return law.associated and any(degrees.is_cone(*place) or degrees.grows_along_rays(*place) for place in read)
 
 
 def _where_defined(law: StatedLaw, whole: StatedDomain, inside: StatedDomain) -> Iterator[tuple[Term, StatedDomain]]:
@@ -349,7 +340,7 @@ def power(law: StatedLaw, evidence: Evidence) -> bool:
 
 def potential(law: StatedLaw, evidence: Evidence) -> bool:
     """The flow is the gradient of a potential, and the power is the ``share`` of the evidence times g, and something >= 0 (Euler)."""
-    return law.potential is not None and potential_flows_outward(law.potential, law.g, parse(evidence["share"]), within_ranges(law))
+    return law.potential is not None and degrees.potential_flows_outward(law.potential, law.g, parse(evidence["share"]), within_ranges(law))
 
 
 def convex_potential(law: StatedLaw, _: Evidence) -> bool:
@@ -362,7 +353,7 @@ def convex_potential(law: StatedLaw, _: Evidence) -> bool:
 
 def power_share(law: StatedLaw, evidence: Evidence) -> bool:
     """The power, times the ``scale`` of the evidence, is the ``share`` of it times g, and its ``rest`` >= 0."""
-    return flows_with_a_share_of_g(law, parse(evidence["share"]), parse(evidence["rest"]), parse(evidence.get("scale", "1")))
+    return degrees.flows_with_a_share_of_g(law, parse(evidence["share"]), parse(evidence["rest"]), parse(evidence.get("scale", "1")))
 
 
 def polar_gauge(law: StatedLaw, evidence: Evidence) -> bool:
@@ -386,7 +377,7 @@ def convex_energy(law: StatedLaw, evidence: Evidence) -> bool:
 
 def scales_with_the_pressure(law: StatedLaw, _: Evidence) -> bool:
     """g keeps its sign along each ray of forces and pressure together, and no range cuts one."""
-    return False if law.pressure is None or law.ranges else is_cone(law.g, over(law).wider(law.pressure))
+    return False if law.pressure is None or law.ranges else degrees.is_cone(law.g, over(law).wider(law.pressure))
 
 
 def forces_increase(law: StatedLaw, _: Evidence) -> bool:
@@ -458,7 +449,7 @@ RULES: Mapping[tuple[str, str], RuleRow] = {
         "g > 0 along every ray from zero force, so that K is zero force alone, or empty", by_evidence=True, most_forces=_PLANE,
     ),
     ("convexity", "fan"): RuleRow(
-        _ORIGIN, lambda law, _: Fan(law).convex(), obligations.formula,
+        _ORIGIN, lambda law, _: degrees.Fan(law).convex(), obligations.formula,
         "K = {f <= c} with f of degree 1: f is convex in each cone between two rays, and its slope does not decrease "
         "across a ray", most_forces=_PLANE,
     ),
@@ -486,7 +477,7 @@ RULES: Mapping[tuple[str, str], RuleRow] = {
         "gamma > 0 is smooth on each arc, and gamma' is equal on both sides of each seam", most_forces=_PLANE,
     ),
     ("smoothness", "fan"): RuleRow(
-        _ORIGIN, lambda law, _: Fan(law).smooth(), obligations.formula,
+        _ORIGIN, lambda law, _: degrees.Fan(law).smooth(), obligations.formula,
         "the boundary is {f = c} with f of degree 1: f is smooth in each cone between two rays, and its gradient is "
         "continuous from each cone to the next", most_forces=_PLANE,
     ),

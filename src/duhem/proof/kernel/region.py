@@ -41,6 +41,7 @@ from fractions import Fraction
 from itertools import chain, pairwise
 from math import prod
 
+from duhem.proof.kernel import signs
 from duhem.proof.kernel.bounds import Facts
 from duhem.proof.kernel.curvature import over, within_ranges
 from duhem.proof.kernel.definedness import rarely_zero
@@ -49,18 +50,7 @@ from duhem.proof.kernel.forms import apart, at_end_of, inverse, multiple
 from duhem.proof.kernel.polynomial import ONE, Polynomial, divided, in_powers, negated, replaced, slope, times, total, written
 from duhem.proof.kernel.profiles import times_load
 from duhem.proof.kernel.regularity import smooth_but_where_zero
-from duhem.proof.kernel.signs import (
-    RAY,
-    Line,
-    divided_by,
-    nonnegative,
-    nonnegative_on_the_line,
-    on_the_line,
-    parts,
-    roots,
-    sign_at,
-    without_content,
-)
+from duhem.proof.kernel.signs import RAY, Line
 from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.kernel.term import NotWritten, Term, factors, minus, number, product_of, sum_of
 
@@ -154,25 +144,25 @@ def _measured(profile: Polynomial, sides: Collection[Polynomial], domain: Stated
     names = {x for m in profile for x, _ in m if x != RAY and domain.of(x) == POSITIVE}
     for unit in (None, *sorted(names)) if profile else ():
         scaled: Polynomial = {tuple(sorted([(RAY, 1), *([] if unit is None else [(unit, 1)])])): Fraction(1)}
-        h, *others = (without_content(replaced(p, RAY, scaled), domain) for p in (profile, *sides) if p)
-        yield h, [line for line in map(on_the_line, others) if line is not None]
+        h, *others = (signs.without_content(replaced(p, RAY, scaled), domain) for p in (profile, *sides) if p)
+        yield h, [line for line in map(signs.on_the_line, others) if line is not None]
 
 
 def _rounded(h: Polynomial, sides: Collection[Line], domain: StatedDomain) -> bool:
     """Whether sqrt H is concave where H >= 0, or H > 0 between two sides and sqrt H concave, for all parameters; at a side it may be 0."""
     bend, (low, high) = _bend(h), _between(sides)
-    line, bent = on_the_line(h), on_the_line(bend)
+    line, bent = signs.on_the_line(h), signs.on_the_line(bend)
     if line is not None and bent is not None and _concave_root(line, bent, sides):
         return True
     if low is None or high is None or low >= high:
         return False
-    return nonnegative(_without_ends(h, low, high), (low, high), domain, strict=True) and nonnegative(bend, (low, high), domain)
+    return signs.nonnegative(_without_ends(h, low, high), (low, high), domain, strict=True) and signs.nonnegative(bend, (low, high), domain)
 
 
 def _without_ends(h: Polynomial, low: Fraction, high: Fraction) -> Polynomial:
     """H without its factors t - low and high - t."""
     for end, sign in ((low, Fraction(1)), (high, Fraction(-1))):
-        while h and not (split := divided_by(h, (-end, 1)))[1]:
+        while h and not (split := signs.divided_by(h, (-end, 1)))[1]:
             h = times({(): sign}, split[0])
     return h
 
@@ -190,12 +180,13 @@ def _concave_root(line: Line, bend: Line, sides: Collection[Line]) -> bool:
     low, high = (end * far if x is None else x for end, x in zip((-1, 1), _between(sides), strict=True))
     if low >= high:
         return True  # no more than one value of t is left
-    ends = [(low, low), *roots(parts(line)[0], low, high), (high, high)]
-    zeros = {i for i, (a, b) in enumerate(ends) if 0 < i < len(ends) - 1 or sign_at(line, a) == 0}
-    above = [i for i, ((_, a), (b, _)) in enumerate(pairwise(ends)) if sign_at(line, (a + b) / 2) > 0]
+    ends = [(low, low), *signs.roots(signs.parts(line)[0], low, high), (high, high)]
+    zeros = {i for i, (a, b) in enumerate(ends) if 0 < i < len(ends) - 1 or signs.sign_at(line, a) == 0}
+    above = [i for i, ((_, a), (b, _)) in enumerate(pairwise(ends)) if signs.sign_at(line, (a + b) / 2) > 0]
     if not above:
         return len(zeros) < 2
-    return len(above) == 1 and zeros <= {above[0], above[0] + 1} and nonnegative_on_the_line(bend, ends[above[0]][0], ends[above[0] + 1][1])
+    first, last = above[0], above[0] + 1
+    return len(above) == 1 and zeros <= {first, last} and signs.nonnegative_on_the_line(bend, ends[first][0], ends[last][1])
 
 
 def _between(sides: Collection[Line]) -> tuple[Fraction | None, Fraction | None]:
@@ -429,5 +420,5 @@ def _gauge_and_parts(f: Term, domain: StatedDomain) -> tuple[Term, list[Term]]:
 def _ends_round(load: Term, loads: list[Term], parts: list[Term], domain: StatedDomain) -> bool:
     """Whether the other loads are < 0 where this one is 0, and of the h one is 0 there and the others > 0."""
     others = [_shown(at_end_of(load, other, domain), domain) for other in loads if other is not load]
-    signs = sorted(_shown(at_end_of(load, h, domain), domain).sign for h in parts)
-    return all(other.sign == NEGATIVE for other in others) and signs == [ZERO, *[POSITIVE] * (len(parts) - 1)]
+    beside = sorted(_shown(at_end_of(load, h, domain), domain).sign for h in parts)
+    return all(other.sign == NEGATIVE for other in others) and beside == [ZERO, *[POSITIVE] * (len(parts) - 1)]
