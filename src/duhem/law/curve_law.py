@@ -61,12 +61,8 @@ class ParametricCriterion(DeclaredLaw):
     _whole: ParametricCriterion | None = field(init=False, default=None, repr=False, compare=False)
 
     def __post_init__(self) -> None:
-        put = object.__setattr__
-        put(self, "forces", tuple(spelled(name) for name in self.forces))
-        put(self, "pressure", spelled(self.pressure))
-        put(self, "angle", spelled(self.angle))
-        put(self, "parameters", Domains(self.parameters))
-        put(self, "expect", FrozenMapping(self.expect))
+        self._set(forces=tuple(map(spelled, self.forces)), pressure=spelled(self.pressure), angle=spelled(self.angle))
+        self._set(parameters=Domains(self.parameters), expect=FrozenMapping(self.expect))
         names = [*self.coordinates, self.angle, *self.parameters]
         if len(self.forces) != 2 or len(set(names)) < len(names) or not all(n.isidentifier() for n in names):
             what = "a boundary curve takes two forces and different names throughout"
@@ -74,16 +70,15 @@ class ParametricCriterion(DeclaredLaw):
         known = self.symbols()
         boundary = tuple(listed(self.boundary, "boundary", self.name))
         flow = () if self.flow is None else tuple(listed(self.flow, "flow", self.name))
-        put(self, "boundary", tuple(self._in_angle(x, known, "boundary") for x in boundary))
+        self._set(boundary=tuple(self._in_angle(x, known, "boundary") for x in boundary))
         constraints, texts = relations(self.constraints, self.written_constraints, known, self.name)
-        put(self, "constraints", constraints)
-        put(self, "written_constraints", texts)
+        self._set(constraints=constraints, written_constraints=texts)
         if self.flow is not None:
-            put(self, "flow", tuple(self._in_angle(x, known, "flow") for x in flow))
+            self._set(flow=tuple(self._in_angle(x, known, "flow") for x in flow))
         if any(len(pair) != 2 for pair in (self.boundary, self.flow or (0, 0))):
             raise InputError("boundary and flow have two components each", where=self.name, remedy="give one expression per force")
         parts = zip((*boundary, *flow), self.components(), chain(self.written, repeat("")), strict=False)
-        put(self, "written", tuple(text_of(given, expr, text, known, NONE) for given, expr, text in parts))
+        self._set(written=tuple(text_of(given, expr, text, known, NONE) for given, expr, text in parts))
 
     def __hash__(self) -> int:
         return hash((self.name, self.boundary, self.forces, self.pressure, self.parameters, self.constraints, self.flow))

@@ -240,6 +240,11 @@ class DeclaredLaw(Verbatim, Shown):
         table = {name: symbol(name, nonpositive=True) if name == self.pressure else symbol(name) for name in (*self.coordinates, *more)}
         return table | {name: domain.symbol(name) for name, domain in self.parameters.items()}
 
+    def _set(self, **values: Any) -> None:
+        """Give fields of the frozen value what was made of what was given for them."""
+        for name, value in values.items():
+            object.__setattr__(self, name, value)
+
     @property
     def whole(self) -> Self | None:
         """The law of which this one is a part over narrower domains: what holds of it holds here; None where it is none."""
@@ -249,7 +254,7 @@ class DeclaredLaw(Verbatim, Shown):
         """The ``part``, which knows what it is a part of."""
         whole, own = self._whole or self, part.parameters
         narrower = own != whole.parameters and cover(whole.parameters, own)
-        object.__setattr__(part, "_whole", whole if narrower else None)
+        part._set(_whole=whole if narrower else None)
         return part
 
 
@@ -333,43 +338,36 @@ class Criterion(DeclaredLaw):
     _whole: Criterion | None = field(init=False, default=None, repr=False, compare=False)
 
     def __post_init__(self) -> None:
-        put = object.__setattr__
-        put(self, "stress", _stress(self.stress, self.name))
+        self._set(stress=_stress(self.stress, self.name))
         forces = listed(self.forces, "forces", self.name) if self.stress is None else self._components(self.stress)
-        put(self, "forces", tuple(map(spelled, forces)))
-        put(self, "pressure", spelled(self.pressure))
-        put(self, "variables", Variables(respelled(self.variables, f"variables of {self.name}")))
-        more = {n: v.domain for n, v in self.variables.items()} | dict.fromkeys(self.heat, POSITIVE)
-        put(self, "parameters", Domains(more | Domains(self.parameters)))
-        put(self, "expect", FrozenMapping(self.expect))
+        variables = Variables(respelled(self.variables, f"variables of {self.name}"))
+        more = {n: v.domain for n, v in variables.items()} | dict.fromkeys(self.heat, POSITIVE)
+        self._set(forces=tuple(map(spelled, forces)), pressure=spelled(self.pressure), variables=variables)
+        self._set(parameters=Domains(more | Domains(self.parameters)), expect=FrozenMapping(self.expect))
         self._check_names()
-        put(self, "_symbols", self._declared(*self.velocities.values()))
+        self._set(_symbols=self._declared(*self.velocities.values()))
         known = self.symbols()
         define = self.define
         if not isinstance(define, Definitions) or (define.short.stress, define.short.known) != (self.stress, frozenset(known)):
             define = Definitions.of(define, known, self.stress, self.name)
-        put(self, "define", define)
+        self._set(define=define)
         short = define.short
         self._read_bounds(known, short)
         if self.energy is not None:
             energy = as_expression(self.energy, known, f"energy of {self.name}", short)
-            put(self, "written_energy", text_of(self.energy, energy, self.written_energy, known, short))
-            put(self, "energy", energy)
+            self._set(written_energy=text_of(self.energy, energy, self.written_energy, known, short), energy=energy)
         for key, what in _NAMED.items():
             given, texts = getattr(self, key), getattr(self, f"written_{key}")
             found = {name: as_expression(rate, known, f"{what} {name} of {self.name}", short) for name, rate in given.items()}
             written = {name: text_of(given[name], rate, texts.get(name, ""), known, short) for name, rate in found.items()}
-            put(self, key, FrozenMapping(found))
-            put(self, f"written_{key}", FrozenMapping(written))
+            self._set(**{key: FrozenMapping(found), f"written_{key}": FrozenMapping(written)})
         if self.forces_of_rates:
             power = sp.Add(*(known[rate] * self.forces_of_rates.get(force, 0) for force, rate in self.velocities.items()))
             if self.g not in (sp.nan, power):
                 raise InputError("a law with forces of rates has no g", where=self.name, remedy="remove one of them")
-            put(self, "g", power)
+            self._set(g=power)
         constraints, texts = relations(self.constraints, self.written_constraints, known, self.name, short)
-        put(self, "constraints", constraints)
-        put(self, "written_constraints", texts)
-        put(self, "domain", Domains(self.domain))
+        self._set(constraints=constraints, written_constraints=texts, domain=Domains(self.domain))
         for name, own in self.domain.items():
             if fault := range_fault(name, own, self.forces, self.pressure):
                 raise InputError(fault[0], where=f"domain of {self.name}", remedy=fault[1])
@@ -377,7 +375,8 @@ class Criterion(DeclaredLaw):
             if not isinstance(self.closed_form, Shape):
                 what = f"the closed form {self.closed_form!r} is no shape"
                 raise InputError(what, where=self.name, remedy="write Interval(...), Disk(...) or Quadrants(...)")
-            put(self, "closed_form", converted(self.closed_form, lambda x: as_expression(x, known, f"closed form of {self.name}", short)))
+            where = f"closed form of {self.name}"
+            self._set(closed_form=converted(self.closed_form, lambda x: as_expression(x, known, where, short)))
         self._check_content()
         check_state(self)
         if self.viscous and (self.surfaces or self.flow is not None):
@@ -388,7 +387,7 @@ class Criterion(DeclaredLaw):
         """Found once: what is kept by law is looked up some times in each increment."""
         if (known := vars(self).get(HASH)) is None:
             known = hash((self.name, self.g, self.forces, self.pressure, self.parameters, self.constraints, self.flow, self.surfaces))
-            object.__setattr__(self, HASH, known)
+            self._set(**{HASH: known})
         return int(known)
 
     def _read_bounds(self, known: Mapping[str, sp.Symbol], short: Abbreviations) -> None:
@@ -409,10 +408,8 @@ class Criterion(DeclaredLaw):
                 what = "a law with several surfaces takes g and flow from its surfaces"
                 raise InputError(what, where=self.name, remedy="remove g, flow and potential")
             whole = YieldSurface(most, written=f"max({', '.join(texts)})" if all(texts) else "")
-        put = object.__setattr__
-        put(self, "surfaces", tuple(surfaces))
-        for name in ("g", "flow", "potential", "written", "written_flow"):
-            put(self, name, getattr(whole, name))
+        bounds = {name: getattr(whole, name) for name in ("g", "flow", "potential", "written", "written_flow")}
+        self._set(surfaces=tuple(surfaces), **bounds)
 
     @property
     def graph(self) -> Graph | None:

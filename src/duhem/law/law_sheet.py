@@ -22,17 +22,9 @@ from duhem.show.page import tied
 from duhem.show.printing import Sheet, Typeset, latex, latex_name, plain, sheet
 
 __all__ = [
-    "UNIT",
-    "as_dict",
-    "as_latex",
-    "as_sheet",
-    "number_in_short",
-    "number_in_words",
-    "stated",
-    "stress_powers",
-    "unit_in_words",
+    "UNIT", "as_dict", "as_latex", "as_sheet", "number_in_short", "number_in_words", "stated", "stress_powers", "unit_in_words",
     "units_in_words",
-]
+]  # fmt: skip
 
 _DIGITS = Context(prec=8)
 _SHORT = 12  # characters of an exact number that a cell of a table shows whole

@@ -202,9 +202,8 @@ def extent(subject: FormulaSubject) -> Extent | None:
         return Extent("K contains all forces: g <= 0 everywhere", False)
     if signs.all({0, 1}, Fraction(0), _NEAR, Fraction(1), _FAR) and subject.ask(problem.g, Sense.NONNEGATIVE).holds is True:
         # g is 0 in all of K, which is another thing than no inside: max(0, f) is 0 wherever f <= 0
-        return (
-            Extent("K has no interior points: g >= 0 for all forces, and g = 0 in K", True) if zeros_are_thin(problem.g, subject) else None
-        )
+        thin = Extent("K has no interior points: g >= 0 for all forces, and g = 0 in K", True)
+        return thin if zeros_are_thin(problem.g, subject) else None
     return _unbounded(subject, here, signs)
 
 

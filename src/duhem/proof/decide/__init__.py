@@ -103,7 +103,8 @@ def _named(question: Question, budget: Budget) -> Question | None:
     sides: list[sp.Basic] = []
     for word in dict.fromkeys(word for part in (question.expr, *given) for word in _words(part)):
         names[word] = _name(word)
-        if type(word) in _SIGNS and _monotone(word, shown):
+        sure = not isinstance(word, sp.tan) or all(shown(NEAR_RIGHT + s * word.args[0], Sense.POSITIVE) for s in (1, -1))  # of no pole
+        if type(word) in _SIGNS and sure:
             value, place, sense = _SIGNS[type(word)]
             sides += _sides(names[word] - value, sense * (word.args[0] - place), shown)
         sides += _bounds(names[word], word, plain)
@@ -135,11 +136,6 @@ def _name(word: sp.Expr) -> sp.Symbol:
     """Return a new symbol with the sign that SymPy sees in the word."""
     signs = {"positive": True} if word.is_positive else {"nonnegative": word.is_nonnegative, "nonzero": word.is_nonzero}
     return sp.Dummy("w", real=True, **{sign: True for sign, known in signs.items() if known})
-
-
-def _monotone(word: sp.Expr, shown: Callable[..., bool]) -> bool:
-    """Return whether the word has the sign that its row states: a tangent has it only where it has no pole."""
-    return not isinstance(word, sp.tan) or all(shown(NEAR_RIGHT + s * word.args[0], Sense.POSITIVE) for s in (1, -1))
 
 
 def _sides(name: sp.Expr, like: sp.Expr, shown: Callable[..., bool]) -> Iterator[sp.Basic]:

@@ -377,15 +377,10 @@ def _tanh_at(x: Enclosure) -> Enclosure:
     return Enclosure(max(found.low, -_ONE), min(found.high, _ONE))
 
 
-def _tan_at(x: Enclosure) -> Enclosure:
-    c, s = _wave(x)
-    return s.times(c.inverse())
-
-
 def _tan(x: Enclosure) -> Enclosure:
     """It rises where no cosine is 0; ZeroDivisionError where one may be."""
     _wave(x)[0].inverse()
-    return _rising(_tan_at)(x)
+    return _rising(lambda end: _wave(end)[1].times(_wave(end)[0].inverse()))(x)
 
 
 _exp, _log, _atan, _asin = map(_rising, (_exp_at, _log_at, _atan_at, _asin_at))

@@ -135,9 +135,7 @@ def deviatoric_readers(term: Term, domain: StatedDomain) -> list[DeviatoricReade
 
     None for a formula of which a constant may have no value.
     """
-    if domain.law.g.large:
-        return []
-    if _FIRST.name in domain.law.forces or domain.constant(term):
+    if domain.law.g.large or _FIRST.name in domain.law.forces or domain.constant(term):
         return []
     told = dict[object, Term]()
     for part in islice((part for part in dict.fromkeys(extremes(term)) if _is_linear(part, domain)), _MOST_TENSORS):

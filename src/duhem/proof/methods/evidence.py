@@ -80,22 +80,19 @@ def convexity_on_boundary(subject: FormulaSubject) -> Iterator[Evidence]:
 
 def convexity_in_a_box(subject: FormulaSubject | GraphSubject) -> Iterator[Evidence]:
     """In each part of the ranges of the forces the boundary curves inward.  It is too dear for the effort ``quick``."""
-    if _may_enclose(subject):
-        detail = "K is star-shaped and its boundary curves inward, by enclosures in parts of the ranges of the forces"
-        yield _offered("curvature-in-a-box", detail, {})
+    return _in_a_box(subject, "curvature-in-a-box", "K is star-shaped and its boundary curves inward")
 
 
 def smoothness_in_a_box(subject: FormulaSubject | GraphSubject) -> Iterator[Evidence]:
     """In each part of the ranges of the forces in which g may be 0 its gradient is not.  It is too dear for the effort ``quick``."""
-    if _may_enclose(subject):
-        detail = "grad g is continuous and not 0 where g = 0, by enclosures in parts of the ranges of the forces"
-        yield _offered("slope-in-a-box", detail, {})
+    return _in_a_box(subject, "slope-in-a-box", "grad g is continuous and not 0 where g = 0")
 
 
-def _may_enclose(subject: FormulaSubject | GraphSubject) -> bool:
-    """Whether two forces have ranges with both ends, and the effort is above ``quick``."""
+def _in_a_box(subject: FormulaSubject | GraphSubject, rule: str, shown: str) -> Iterator[Evidence]:
+    """What a rule may show by enclosures of two forces that have ranges with both ends."""
     ranges = [subject.law.domain.get(x, REAL) for x in subject.law.forces]
-    return subject.effort >= 1 and len(ranges) == 2 and all(own.low is not None and own.high is not None for own in ranges)
+    if subject.effort >= 1 and len(ranges) == 2 and all(own.low is not None and own.high is not None for own in ranges):
+        yield _offered(rule, f"{shown}, by enclosures in parts of the ranges of the forces", {})
 
 
 def convexity_by_branches(subject: FormulaSubject) -> Evidence | None:
@@ -323,8 +320,7 @@ def _by_forces(expr: sp.Expr, forces: Sequence[sp.Symbol]) -> Terms:
 
 def _in_pressure(subject: FormulaSubject, expr: sp.Expr) -> sp.Expr:
     """In the law's own names."""
-    magnitude, pressure = subject.problem.magnitude, subject.law.pressure
-    return expr if magnitude is None or pressure is None else expr.xreplace({magnitude: -subject.law.symbols()[pressure]})
+    return expr.xreplace({-load: -pressure for pressure, load in subject.problem.compressed.items()})
 
 
 def duality(subject: FormulaSubject) -> Evidence | None:

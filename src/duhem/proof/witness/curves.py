@@ -85,10 +85,8 @@ def leaning(
             degrees = deviation * 180 / flint.arb.pi()
             shown["greatest deviation in degrees"] = decimal_pair(degrees)
             slip = math.degrees(math.atan2(float(flow[1]), float(flow[0])))
-            told, measures = (
-                "; the deviation is the greatest of all angles",
-                {"deviation_degrees": float(degrees.lower()), "slip_angle_degrees": slip},
-            )
+            told = "; the deviation is the greatest of all angles"
+            measures = {"deviation_degrees": float(degrees.lower()), "slip_angle_degrees": slip}
     place = "zero force, which is in K" if u is None else "a point of K"
     statement = f"the {'outward ' * (what == 'normal')}{what} at sigma points towards tau, {place}: it is not in the normal cone{told}"
     return _witness(subject, values, {"sigma": t, "tau": zero if u is None else u}, shown, statement, measures)
