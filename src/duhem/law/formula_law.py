@@ -30,7 +30,7 @@ from duhem.expression.syntax import respelled, spelled
 from duhem.expression.unevaluated import HASH, Verbatim
 from duhem.law.domain import POSITIVE, Domain, Domains, by_name, cover, range_fault
 from duhem.law.frozen_mapping import FrozenMapping
-from duhem.law.given import argument_names, called, given_formula, listed, moved, moved_relations, relations, text_of
+from duhem.law.given import Known, Swap, argument_names, called, given_formula, listed, moved, moved_relations, relations, text_of
 from duhem.law.registry import register
 from duhem.law.shapes import Shape, converted
 from duhem.law.state import NO_STATE, Variable, Variables, check_state, variables_of
@@ -104,9 +104,7 @@ def as_expression(given: Any, known: Mapping[str, sp.Symbol], where: str, short:
     )
 
 
-def swapped(
-    old: Mapping[str, sp.Symbol], domains: Mapping[str, Domain]
-) -> tuple[dict[sp.Symbol, sp.Symbol], tuple[tuple[str, sp.Symbol], ...]]:
+def swapped(old: Mapping[str, sp.Symbol], domains: Mapping[str, Domain]) -> tuple[Swap, Known]:
     """What takes the place of symbols over other domains of parameters, and every declared name with its symbol there."""
     swap = {old[name]: new for name, domain in domains.items() if (new := domain.symbol(name)) != old[name]}
     return swap, tuple((name, swap.get(x, x)) for name, x in old.items())

@@ -23,8 +23,8 @@ from duhem.expression.parse import parse_as_written, parse_relation, reread, wri
 from duhem.expression.vocabulary import COMPARISONS, adopted
 
 __all__ = [
-    "Relations", "argument_names", "called", "given_formula", "given_relation", "listed", "moved", "moved_relations", "relations",
-    "text_of",
+    "Known", "Relations", "Swap", "argument_names", "called", "given_formula", "given_relation", "listed", "moved", "moved_relations",
+    "relations", "text_of",
 ]  # fmt: skip
 
 
@@ -67,6 +67,8 @@ def listed(given: Any, what: str, law: str) -> tuple[Any, ...]:
     return tuple(given)
 
 
+Swap = Mapping[sp.Symbol, sp.Symbol]  # what takes the place of symbols over other domains of parameters
+Known = tuple[tuple[str, sp.Symbol], ...]  # every declared name with its symbol
 Relations = tuple[tuple[Relational, ...], tuple[str, ...]]  # constraints, each with its text or ""
 
 
@@ -80,7 +82,7 @@ def text_of(given: Any, expr: sp.Basic, written: str, known: Mapping[str, sp.Sym
         return ""
 
 
-def moved(expr: sp.Basic, text: str, swap: Mapping[sp.Symbol, sp.Symbol], known: tuple[tuple[str, sp.Symbol], ...]) -> sp.Basic:
+def moved(expr: sp.Basic, text: str, swap: Swap, known: Known) -> sp.Basic:
     """The expression over other symbols of the same names; a text that gave it is read anew, so that it stays the law's text."""
     try:
         return _read(text, expr, known) if text else expr.xreplace(swap)
@@ -99,9 +101,7 @@ def relations(given: Any, written: Sequence[str], known: Mapping[str, sp.Symbol]
     return tuple(relation for relation, _ in found), tuple(text for _, text in found)
 
 
-def moved_relations(
-    given: tuple[Relational, ...], written: tuple[str, ...], swap: Mapping[sp.Symbol, sp.Symbol], known: tuple[tuple[str, sp.Symbol], ...]
-) -> Relations:
+def moved_relations(given: tuple[Relational, ...], written: tuple[str, ...], swap: Swap, known: Known) -> Relations:
     """Constraints over other symbols; what holds of itself now is kept where its text asks for more, as e/e <= 1 does."""
     kept = [
         (moved(c, text, swap, known), text)
@@ -111,7 +111,7 @@ def moved_relations(
     return tuple(c for c, _ in kept), tuple(text for _, text in kept)
 
 
-def _read(text: str, expr: sp.Basic, known: tuple[tuple[str, sp.Symbol], ...]) -> sp.Basic:
+def _read(text: str, expr: sp.Basic, known: Known) -> sp.Basic:
     return parse_relation(text, dict(known)) if isinstance(expr, Relational) else reread(text, known)
 
 

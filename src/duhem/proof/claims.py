@@ -26,13 +26,14 @@ from duhem.proof.methods import coupled, curves, evidence, refuters
 from duhem.proof.verdict import CONTRADICTION, Evidence, Verdict
 
 __all__ = [
-    "CHEAP", "CLAIMS", "COUPLED", "DEAR", "EVERY", "SPELLED_OTHERWISE", "Claim", "Consequence", "Finder", "Kernel", "ProofMethod", "Rules",
-    "asked_of", "words",
+    "CHEAP", "CLAIMS", "COUPLED", "DEAR", "EVERY", "SPELLED_OTHERWISE", "Claim", "Consequence", "Finder", "Kernel", "OnMethod",
+    "ProofMethod", "Rules", "asked_of", "words",
 ]  # fmt: skip
 
 S = TypeVar("S", bound=Subject)
 Settled = Mapping[str, Evidence]  # claims decided before, by name
 Confirms = Callable[[Evidence], bool]
+OnMethod = Callable[[str, str, Budget], None]  # told of a claim, a method, and the steps that it may take
 
 
 class Kernel(Protocol):
@@ -124,9 +125,7 @@ class Claim:
         text = Path(__file__).with_name("theory.txt").read_text("utf-8")
         return text.partition(f"# {self.name}\n")[2].partition("\n# ")[0].strip()
 
-    def examine(
-        self, subject: Subject, settled: Settled, kernel: Kernel | None = None, on_method: Callable[[str, str, Budget], None] | None = None
-    ) -> Evidence:
+    def examine(self, subject: Subject, settled: Settled, kernel: Kernel | None = None, on_method: OnMethod | None = None) -> Evidence:
         """The first answer, or ``undecided`` when every method passed.
 
         Of a law that may be undefined somewhere only a proof that the ``kernel`` confirms counts: it asks itself what its rule needs.

@@ -22,7 +22,7 @@ from duhem.law.formula_law import Criterion
 from duhem.law.parameter_domain import check_domain
 from duhem.omitted import LeftOut
 from duhem.proof.certificate import certificate, law_as_text
-from duhem.proof.claims import CHEAP, CLAIMS, COUPLED, EVERY, asked_of
+from duhem.proof.claims import CHEAP, CLAIMS, COUPLED, EVERY, OnMethod, asked_of
 from duhem.proof.decide import ANY_STEPS, EFFORTS, Budget
 from duhem.proof.facts.curve_subject import CurveSubject
 from duhem.proof.facts.formula_subject import FormulaSubject, RateSubject
@@ -31,8 +31,7 @@ from duhem.proof.facts.subject import Subject
 from duhem.proof.in_state import dissipating, epigraph, rate_epigraph
 from duhem.proof.kernel.certificate import OVER, stated
 from duhem.proof.kernel.claims import needs_of, objection, row_of, rules_of
-from duhem.proof.kernel.curve import StatedCurve
-from duhem.proof.kernel.stated_law import StatedLaw
+from duhem.proof.kernel.curve import Stated
 from duhem.proof.kernel.steps import TooDearError, within
 from duhem.proof.kernel.term import NotWritten
 from duhem.proof.methods.coupled import polar_of_the_cone
@@ -189,7 +188,7 @@ def verify(
     effort: str = "normal",
     coupled: bool = False,
     on_claim: Callable[[ClaimResult], None] | None = None,
-    on_method: Callable[[str, str, Budget], None] | None = None,
+    on_method: OnMethod | None = None,
 ) -> Verification:
     """Prove or refute the claims about a law, for all values of its parameters and for every pressure.
 
@@ -244,7 +243,7 @@ def _examined(
     claims: Iterable[str] | None,
     effort: str,
     on_claim: Callable[[ClaimResult], None] | None = None,
-    on_method: Callable[[str, str, Budget], None] | None = None,
+    on_method: OnMethod | None = None,
     whole: Law | None = None,
     explained: bool = False,
 ) -> tuple[Subject, Mapping[str, Evidence], tuple[str, ...], tuple[ClaimResult, ...], tuple[ClaimResult, ...]]:
@@ -475,7 +474,7 @@ class Confirmations:
         return holds
 
 
-def _stated(law: Law, over: Mapping[str, Any] | None = None) -> StatedLaw | StatedCurve | None:
+def _stated(law: Law, over: Mapping[str, Any] | None = None) -> Stated | None:
     """The law as the kernel has it, perhaps over wider domains; None where that reads nothing of it."""
     try:
         return stated(law_as_text(law), over)

@@ -9,7 +9,7 @@ from hashlib import sha256
 from typing import Any, NamedTuple
 
 from duhem.proof.kernel.claims import BY_CONSTRUCTION, objection
-from duhem.proof.kernel.curve import StatedCurve
+from duhem.proof.kernel.curve import Stated, StatedCurve
 from duhem.proof.kernel.domain import Bounds, exact
 from duhem.proof.kernel.obligations import numbers
 from duhem.proof.kernel.stated_law import StatedLaw, as_object, inhabited, without_more
@@ -91,7 +91,7 @@ def digest(document: Mapping[str, Any]) -> str:
     return sha256(json.dumps(content, sort_keys=True, separators=(",", ":"), ensure_ascii=True).encode()).hexdigest()
 
 
-def stated(law: Mapping[str, Any], over: Mapping[str, Any] | None = None) -> StatedLaw | StatedCurve:
+def stated(law: Mapping[str, Any], over: Mapping[str, Any] | None = None) -> Stated:
     """The ``law`` of a certificate: by a formula, or by a boundary curve.
 
     ``over`` has wider domains of some of its parameters: what holds over these holds over its own.  NotWritten where one is not wider.
@@ -112,7 +112,7 @@ def _objection(row: _Claim, rule: str, settled: frozenset[str], law: Mapping[str
     return objection(row.claim, rule, settled, whole, row.evidence)
 
 
-def law_of(document: Mapping[str, Any]) -> StatedLaw | StatedCurve:
+def law_of(document: Mapping[str, Any]) -> Stated:
     """The law of a certificate; NotWritten where it was changed, has a number without a value, or admits no parameters."""
     if document["sha256"] != digest(document):
         raise NotWritten("its hash, sha256, is not that of its content: something was changed after it was made")

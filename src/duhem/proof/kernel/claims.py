@@ -11,7 +11,7 @@ from duhem.proof.kernel import homogeneity as degrees
 from duhem.proof.kernel.bounds import Facts
 from duhem.proof.kernel.boxes import convex_in_its_box, smooth_in_its_box
 from duhem.proof.kernel.curvature import over, within_ranges
-from duhem.proof.kernel.curve import StatedCurve
+from duhem.proof.kernel.curve import Stated, StatedCurve
 from duhem.proof.kernel.definedness import Reader, divides_by_zero_force, undecided_beside
 from duhem.proof.kernel.domain import NEGATIVE, POSITIVE, StatedDomain
 from duhem.proof.kernel.forms import place_of
@@ -61,9 +61,7 @@ _OF_GRAPHS = (
 )  # fmt: skip
 
 
-def objection(
-    claim: str, rule: str, settled: frozenset[str], law: StatedLaw | StatedCurve, evidence: Evidence, as_written: bool | None = None
-) -> str:
+def objection(claim: str, rule: str, settled: frozenset[str], law: Stated, evidence: Evidence, as_written: bool | None = None) -> str:
     """Why ``rule`` does not prove ``claim`` for ``law``, where the claims ``settled`` are confirmed for it already; "" if it does.
 
     ``as_written`` says what it reads: True the law as its text says it, False the law in its normal forms, None both.
@@ -89,18 +87,16 @@ def objection(
     return undecided or _objection_to_forms(claim, rule, row, law, evidence, as_written)
 
 
-def _large(law: StatedLaw | StatedCurve) -> bool:
+def _large(law: Stated) -> bool:
     return isinstance(law, StatedLaw) and law.g.large
 
 
-def _suits(claim: str, rule: str, law: StatedLaw | StatedCurve) -> bool:
+def _suits(claim: str, rule: str, law: Stated) -> bool:
     """Whether the rule is for laws that have a K, or a potential, or for those whose forces are functions of the rates, as this one is."""
     return not isinstance(law, StatedLaw) or law.of_rates == (rule in _RULES_OF_RATES) or claim in _OF_THE_STATE
 
 
-def _objection_to_forms(
-    claim: str, rule: str, row: RuleRow, law: StatedLaw | StatedCurve, evidence: Evidence, as_written: bool | None
-) -> str:
+def _objection_to_forms(claim: str, rule: str, row: RuleRow, law: Stated, evidence: Evidence, as_written: bool | None) -> str:
     """The objection to a law as it is written, and in its normal forms, or to some of these; evidence on sums is of g as it is written."""
     found = f"the rule {rule!r} does not show it" if as_written is False else _objection_in_cases(claim, rule, row, law, evidence)
     if found and not as_written and "convex sums" not in evidence and isinstance(law, StatedLaw) and not law.of_rates:
@@ -110,7 +106,7 @@ def _objection_to_forms(
     return found
 
 
-def _objection_in_cases(claim: str, rule: str, row: RuleRow, law: StatedLaw | StatedCurve, evidence: Evidence, depth: int = 0) -> str:
+def _objection_in_cases(claim: str, rule: str, row: RuleRow, law: Stated, evidence: Evidence, depth: int = 0) -> str:
     """The objection to a law, and to each of those that it is where a choice of constants goes one way."""
     reasons, unread = set[str](), ""
     try:
@@ -126,7 +122,7 @@ def _objection_in_cases(claim: str, rule: str, row: RuleRow, law: StatedLaw | St
     return max(reasons, default=unread)
 
 
-def _forms(claim: str, law: StatedLaw | StatedCurve, moves: bool = False) -> Iterator[StatedLaw | StatedCurve]:
+def _forms(claim: str, law: Stated, moves: bool = False) -> Iterator[Stated]:
     """The law as written; with the forces of its energy put in; with the same boundary and a simpler g; moved; in principal stresses.
 
     What K's support function is, is said of all components.  Of a potential of rates there is its epigraph alone.  What
@@ -164,33 +160,33 @@ def _spelled_otherwise(law: StatedLaw) -> tuple[StatedLaw, ...]:
     return tuple(form for form in forms if loads <= region_of(form) and not chooses(form.g, over(form)))
 
 
-def _objection(rule: str, check: Callable[..., bool], law: StatedLaw | StatedCurve, evidence: Evidence) -> str:
+def _objection(rule: str, check: Callable[..., bool], law: Stated, evidence: Evidence) -> str:
     try:
         return "" if check(law, evidence) else f"the rule {rule!r} does not show it"
     except UNREADABLE as fault:
         return f"its evidence cannot be read: {in_words(fault)}"
 
 
-def rules_of(claim: str, law: StatedLaw | StatedCurve) -> tuple[str, ...]:
+def rules_of(claim: str, law: Stated) -> tuple[str, ...]:
     """The rules that may prove a claim of such a law without evidence, in order."""
     rows = ((rule, row) for (name, rule), row in _rules(law).items() if name == claim and _suits(claim, rule, law))
     own = tuple(rule for rule, row in rows if not row.by_evidence and len(law.forces) <= row.most_forces)
     return tuple(rule for rule in own if rule in _OF_GRAPHS) if _large(law) else own
 
 
-def needs_of(claim: str, law: StatedLaw | StatedCurve) -> frozenset[str]:
+def needs_of(claim: str, law: Stated) -> frozenset[str]:
     """The claims that a rule for a claim of such a law may rest on."""
     return frozenset().union(*(row.needed for (name, _), row in _rules(law).items() if name == claim))
 
 
-def row_of(claim: str, rule: str, law: StatedLaw | StatedCurve) -> RuleRow | None:
+def row_of(claim: str, rule: str, law: Stated) -> RuleRow | None:
     """What is said of a rule; None where there is none of that name."""
     row = _rules(law).get((claim, rule))
     of_rates = row is not None and isinstance(law, StatedLaw) and law.viscous
     return row._replace(sentence=_OF_RATES.get(claim, row.sentence)) if row is not None and of_rates else row
 
 
-def _rules(law: StatedLaw | StatedCurve) -> Mapping[tuple[str, str], RuleRow]:
+def _rules(law: Stated) -> Mapping[tuple[str, str], RuleRow]:
     return RULES if isinstance(law, StatedLaw) else CURVE_RULES
 
 

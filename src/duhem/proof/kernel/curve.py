@@ -31,7 +31,7 @@ from duhem.proof.kernel.signs import RAY, nonnegative
 from duhem.proof.kernel.stated_law import StatedLaw, as_list, declared, formula_over
 from duhem.proof.kernel.term import NotWritten, Term, minus, number, parse, product_of, sum_of
 
-__all__ = ["StatedCurve"]
+__all__ = ["Stated", "StatedCurve"]
 
 _FEW_BOXES, _MOST_BOXES = 256, 4096  # before polynomials are asked, and after
 _NARROWEST = Fraction(1, 2**24)  # in t; what is not shown there hardly ever is in narrower boxes
@@ -236,6 +236,9 @@ class StatedCurve(NamedTuple):
             boxes += [(half, middle, high), (half, low, middle)]
         turned = [(after - before + 1) % 4 - 1 for before, after in pairwise([*quadrants, quadrants[0]])]
         return sum(turned) // 4 if max(map(abs, turned)) <= 1 else None
+
+
+Stated = StatedLaw | StatedCurve
 
 
 def _within(bounds: Bounds) -> Fraction:

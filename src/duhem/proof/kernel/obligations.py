@@ -11,7 +11,7 @@ from contextlib import suppress
 from fractions import Fraction
 
 from duhem.proof.kernel.curvature import over, within_ranges
-from duhem.proof.kernel.curve import StatedCurve
+from duhem.proof.kernel.curve import Stated
 from duhem.proof.kernel.definedness import Reader, asks, continued, in_quotients, undecided_beside
 from duhem.proof.kernel.domain import ANY, NEGATIVE, POSITIVE, StatedDomain
 from duhem.proof.kernel.homogeneity import by_degree
@@ -63,7 +63,7 @@ def _below_its_limit(part: Term) -> Iterator[Term]:
         yield from (sum_of(number(limit), x) for x in (part.args[1], minus(part.args[1])))
 
 
-def constraints(law: StatedLaw | StatedCurve) -> str:
+def constraints(law: Stated) -> str:
     """Each constraint, where the parameters lie in their ranges and the constraints hold that are shown to have a value before it."""
     left = [c for c in law.constraints if asks(c)]
     settled = tuple(c for c in law.constraints if c not in left)

@@ -40,9 +40,10 @@ __all__ = ["is_support_function", "polyhedra", "union_is_convex"]
 _MOST_ARMS, _MOST_CHOICES, _MOST_CELLS = 100, 5000, 100
 Vector = tuple[Fraction, ...]
 Face = tuple[Vector, Fraction]
+_Names = Sequence[str]
 
 
-def polyhedra(g: Term, forces: Sequence[str], domain: StatedDomain) -> tuple[list[list[Face]], Term, Term]:
+def polyhedra(g: Term, forces: _Names, domain: StatedDomain) -> tuple[list[list[Face]], Term, Term]:
     """The polyhedra whose union is {g <= 0}, at forces in units of r/l, and these units: r of the limits, l of the slopes."""
     cells = [[affine(arm, forces, domain) for arm in cell] for cell in least_of_greatest(g, domain)]
     steep = _unit([c for cell in cells for row, _ in cell for c in row], domain)
@@ -158,9 +159,7 @@ def _common_point(faces: Sequence[Face], n: int) -> Vector | None:
     return None if found is None or len(found) < n else tuple(found[i].get((), Fraction(0)) for i in range(n))
 
 
-def supports_polytope(
-    g: Term, potential: Term, forces: Sequence[str], slips: Sequence[str], flat: Sequence[Term], domain: StatedDomain
-) -> bool:
+def supports_polytope(g: Term, potential: Term, forces: _Names, slips: _Names, flat: Sequence[Term], domain: StatedDomain) -> bool:
     """Whether ``potential`` = sup {sigma . d : g <= 0} where the forms ``flat`` in the slips vanish, and it is infinite elsewhere."""
     if len(flat) > 1:
         return False
@@ -182,7 +181,6 @@ def supports_polytope(
 # -- support functions -------------------------------------------------------------------------------------------------
 
 _TWO = number(2)
-_Names = Sequence[str]
 
 
 def is_support_function(potential: Term, dual: Mapping[str, str], flat: Sequence[Term], law: StatedLaw) -> bool:
@@ -228,9 +226,7 @@ def _supports_separable(g: Term, potential: Term, forces: _Names, slips: _Names,
     return len(set(dual.values())) == len(dual) and _polar(gauge, other, radius, dual, wide)
 
 
-def _about_its_centre(
-    g: Term, potential: Term, forces: Sequence[str], slips: Sequence[str], domain: StatedDomain
-) -> tuple[Term, Term, Term]:
+def _about_its_centre(g: Term, potential: Term, forces: _Names, slips: _Names, domain: StatedDomain) -> tuple[Term, Term, Term]:
     """(gauge, other, radius): {g <= 0} is {gauge <= radius} moved by c, the potential c . d and the other term."""
     straight, other = _parted(potential, lambda t: _is_affine(t, slips, domain))
     centre, offset = affine(straight, slips, domain)
@@ -242,7 +238,7 @@ def _about_its_centre(
     return gauge, other, radius
 
 
-def _in_forms(term: Term, names: Sequence[str], kind: str, domain: StatedDomain) -> tuple[Term, dict[str, Row]]:
+def _in_forms(term: Term, names: _Names, kind: str, domain: StatedDomain) -> tuple[Term, dict[str, Row]]:
     """A term in its linear forms, each under a name, and their rows; multiples by a number are one form."""
     forms, swap = dict[frozenset[tuple[Monomial, Fraction]], tuple[str, Row]](), dict[Term, Term]()
     for part in _linear_parts(term, names, domain):
@@ -255,7 +251,7 @@ def _in_forms(term: Term, names: Sequence[str], kind: str, domain: StatedDomain)
     return term.put(swap), dict(forms.values())
 
 
-def _linear_parts(term: Term, names: Sequence[str], domain: StatedDomain) -> Iterator[Term]:
+def _linear_parts(term: Term, names: _Names, domain: StatedDomain) -> Iterator[Term]:
     """The largest parts that are linear in the names."""
     if domain.constant(term):
         return

@@ -44,9 +44,10 @@ _CONES = tuple((Fraction(1, 2**k), Fraction(1, 2**n)) for k, n in ((3, 6), (5, 1
 _MOST_DERIVATIVES = 4
 _KINKS = (sp.Abs, sp.Max, sp.Min, Pos, Neg, Where)
 _T = sp.Symbol("t", positive=True)
+Vector = Sequence[Fraction]
 
 
-def corner(subject: FormulaSubject, parameters: Values, section: PlaneSection, near: Sequence[Fraction]) -> Witness | None:
+def corner(subject: FormulaSubject, parameters: Values, section: PlaneSection, near: Vector) -> Witness | None:
     """The corner near a place of a plane of forces, on a seam with one switch.
 
     Where g jumps, one of two boundaries that may meet on the seam, or of one and the seam, which g does not cross.
@@ -119,7 +120,7 @@ def _joined(subject: FormulaSubject, parameters: Values, seam: Seam, section: Pl
 
 
 def _shown(
-    subject: FormulaSubject, parameters: Values, section: PlaneSection, place: Sequence[Fraction], normals: list[list[Any]], told: str
+    subject: FormulaSubject, parameters: Values, section: PlaneSection, place: Vector, normals: list[list[Any]], told: str
 ) -> Witness:
     at = subject.values_at(parameters, section.point(place))
     one, two = normals
@@ -157,9 +158,7 @@ def _has_zero(system: Any, jacobian: Any, centre: Any, box: Any, radius: Fractio
     return all(step.is_finite() and abs(step) < ball(radius) for step in steps)
 
 
-def sharp_point(
-    subject: FormulaSubject, parameters: Values, place: Sequence[Fraction], aside: Sequence[Fraction], into: Sequence[Fraction], lean: int
-) -> Witness | None:
+def sharp_point(subject: FormulaSubject, parameters: Values, place: Vector, aside: Vector, into: Vector, lean: int) -> Witness | None:
     """Such a point with w = ``aside``, v = ``into`` and c = ``lean`` >= 0; None if that is not certain.  g must be defined and not jump."""
     if lean < 0 or subject.doubtful or not subject.joined(subject.simple.g):
         return None
@@ -184,9 +183,7 @@ def sharp_point(
 class _Cone:
     """The points x + t v with 0 < t <= reach, each component of v within ``width`` of that of ``way``."""
 
-    def __init__(
-        self, forces: Sequence[sp.Symbol], place: Sequence[Fraction], way: Sequence[Fraction], width: Fraction, reach: Fraction
-    ) -> None:
+    def __init__(self, forces: Sequence[sp.Symbol], place: Vector, way: Vector, width: Fraction, reach: Fraction) -> None:
         box = {sp.Symbol(f"v {x}", real=True): ball(c - width, c + width) for x, c in zip(forces, way, strict=True)}  # no name of a law
         components = box if width else map(rational, way)  # on a ray itself what is 0 must be seen to be
         self._place: Mapping[sp.Symbol, sp.Expr] = {x: rational(c) + _T * v for x, c, v in zip(forces, place, components, strict=True)}
