@@ -249,7 +249,7 @@ class CurveSubject(Subject):
 
         Either way of running it has the same points, each with the same flow.  A few points suggest which way shows more.
         """
-        given = [self._here(algebraic_angles(self._in(x, self.sine))) for x in self.law.boundary]
+        given = self._in_angle(self.law.boundary, self.sine)
         for values in self.choices(1):
             curve = self._numeric([x.xreplace(rationals(values)) for x in given], None)
             points = [curve.point(Fraction(k, 8)) for k in (-40, -16, -8, -4, 0, 4, 8, 16, 40)]
@@ -260,23 +260,18 @@ class CurveSubject(Subject):
     @cached_property
     def boundary(self) -> Vector:
         """T over (cosine, sine) and the free parameters."""
-        return self._in_angle(self.law.boundary)
+        return self._in_angle(self.law.boundary, self.sense * self.sine)
 
     @cached_property
     def flow(self) -> Vector | None:
         """d likewise; None for an associated law."""
-        return None if self.law.flow is None else self._in_angle(self.law.flow)
+        return None if self.law.flow is None else self._in_angle(self.law.flow, self.sense * self.sine)
 
-    def _in_angle(self, pair: Vector) -> Vector:
-        one, two = (self._here(algebraic_angles(self._in(x, self.sense * self.sine))) for x in pair)
+    def _in_angle(self, pair: Vector, sine: sp.Expr) -> Vector:
+        turn, fixed = self.law.symbols()[self.law.angle], self.law.fixed_values()
+        there = {sp.cos(turn): self.cosine, sp.sin(turn): sine}
+        one, two = (algebraic_angles(x.xreplace(there)).xreplace(fixed) for x in pair)
         return one, two
-
-    def _in(self, expr: sp.Expr, sine: sp.Expr) -> sp.Expr:
-        turn = self.law.symbols()[self.law.angle]
-        return expr.xreplace({sp.cos(turn): self.cosine, sp.sin(turn): sine})
-
-    def _here(self, expr: sp.Expr) -> sp.Expr:
-        return expr.xreplace(self.law.fixed_values())
 
     @cached_property
     def _stated(self) -> tuple[tuple[str, tuple[Obligation, ...]], ...]:

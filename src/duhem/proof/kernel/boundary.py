@@ -29,18 +29,18 @@ from duhem.proof.kernel.term import NotWritten, Term, minus, parse, product_of, 
 __all__ = ["curves_inward", "flows_along_normals", "flows_outward", "is_steep", "rises_outward", "with_convex_sums"]
 
 Condition = tuple[Polynomial, str]  # and how it stands to 0: ">", ">=" or "=="
-Identity = Mapping[str, Any]
+Identities = Sequence[Mapping[str, Any]]
 _MOST_PRODUCTS = 4_000_000  # of terms, in a product of an identity
 _GOAL, _BOUNDARY, _TANGENT = "the goal", "the boundary", "the tangent"  # no formulas: they name what is refuted, and given
 _ENOUGH = {">": ((">",), POSITIVE), ">=": ((">", ">="), POSITIVE | ZERO), "==": (("==",), ZERO)}  # conditions, or signs
 
 
-def rises_outward(law: StatedLaw, identities: Sequence[Identity]) -> bool:
+def rises_outward(law: StatedLaw, identities: Identities) -> bool:
     """Whether sigma . grad g > 0 wherever g = 0, on every piece of g."""
     return _dissipates(StatedFace(law.g, None), law.forces, identities, over(law))
 
 
-def is_steep(law: StatedLaw, identities: Sequence[Identity]) -> bool:
+def is_steep(law: StatedLaw, identities: Identities) -> bool:
     """Whether grad g != 0 wherever g = 0, on every piece of g: its square is > 0 there."""
     domain = over(law)
 
@@ -50,13 +50,13 @@ def is_steep(law: StatedLaw, identities: Sequence[Identity]) -> bool:
     return all(shown(square(g), ">", _on_boundary(g, sides, domain), identities, domain) for g, sides in pieces(law.g, domain))
 
 
-def flows_outward(law: StatedLaw, identities: Sequence[Identity]) -> bool:
+def flows_outward(law: StatedLaw, identities: Identities) -> bool:
     """Whether sigma . d >= 0 on every face, d being its own flow or, being associated, a gradient of its g, which then is not 0."""
     domain = within_ranges(law)
     return all(_dissipates(face, law.forces, identities, domain) for face in law.faces())
 
 
-def flows_along_normals(law: StatedLaw, along: Sequence[Identity], across: Sequence[Identity]) -> bool:
+def flows_along_normals(law: StatedLaw, along: Identities, across: Identities) -> bool:
     """Whether each flow d is a positive multiple of every gradient of its g, on its face: d . grad g > 0, no component across.
 
     Then d . (tau - sigma) > 0 would make g rise from sigma towards tau; but g <= 0 on the way, K being convex.
@@ -65,7 +65,7 @@ def flows_along_normals(law: StatedLaw, along: Sequence[Identity], across: Seque
     return all(_parallel(face, law.forces, along, across, domain) for face in law.faces() if face.flow is not None)
 
 
-def _dissipates(face: StatedFace, forces: tuple[str, ...], identities: Sequence[Identity], domain: StatedDomain) -> bool:
+def _dissipates(face: StatedFace, forces: tuple[str, ...], identities: Identities, domain: StatedDomain) -> bool:
     if face.flow is None and face.power is None:
         return all(shown(_along(forces, g, domain), ">", given, identities, domain) for (g,), given in _on_face(face, (), domain))
     power = face.power or sum_of(*map(product_of, (Term("name", name=x) for x in forces), face.flow or ()))
@@ -75,17 +75,14 @@ def _dissipates(face: StatedFace, forces: tuple[str, ...], identities: Sequence[
     )
 
 
-def _parallel(
-    face: StatedFace, forces: tuple[str, ...], along: Sequence[Identity], across: Sequence[Identity], domain: StatedDomain
-) -> bool:
+def _parallel(face: StatedFace, forces: tuple[str, ...], along: Identities, across: Identities, domain: StatedDomain) -> bool:
     for (g, *components), given in _on_face(face, face.flow or (), domain):
         gradient, d = [_along_axis(x, g, domain) for x in forces], list(map(domain.polynomial, components))
         if not shown(total(*map(times, d, gradient)), ">", given, along, domain):
             return False
         for i, j in combinations(range(len(forces)), 2):
             minor = total(times(d[i], gradient[j]), negated(times(d[j], gradient[i])))
-            ways = (minor, negated(minor)) if minor else ()
-            if not all(shown(way, ">=", given, across, domain) for way in ways):
+            if minor and not all(shown(way, ">=", given, across, domain) for way in (minor, negated(minor))):
                 return False
     return True
 
@@ -99,14 +96,14 @@ def _on_face(face: StatedFace, beside: Sequence[Term], domain: StatedDomain) -> 
         yield piece.args, _on_boundary(piece.args[0], (*sides, *inside), domain)
 
 
-def curves_inward(law: StatedLaw, directions: Sequence[str], identities: Sequence[Identity]) -> bool:
+def curves_inward(law: StatedLaw, directions: Sequence[str], identities: Identities) -> bool:
     """Whether v . Hess g v >= 0 for every v with v . grad g = 0 wherever g = 0; ``directions`` are names for the components of v."""
     domain = _wider(law, directions)
     given = {**_on_boundary(law.g, (), domain), _TANGENT: (_along(directions, law.g, domain), "==")}
     return shown(_bend(directions, law.g, domain), ">=", given, identities, domain)
 
 
-def with_convex_sums(law: StatedLaw, directions: Sequence[str], identities: Sequence[Identity]) -> StatedDomain:
+def with_convex_sums(law: StatedLaw, directions: Sequence[str], identities: Identities) -> StatedDomain:
     """The domain of the law, knowing which sums f in g are >= 0, and which are convex: v . Hess f v >= 0 for all v."""
     domain, wider = StatedDomain(law, over(law).rules), _wider(law, directions)  # its own: nobody else takes these as such
     for f in (part for part in law.g.parts() if part.op == "+"):
@@ -164,7 +161,7 @@ def _on_boundary(g: Term, sides: Sequence[Term], domain: StatedDomain) -> dict[s
 # -- identities ----------------------------------------------------------------------------------------------------------
 
 
-def shown(poly: Polynomial, sense: str, given: Mapping[str, Condition], identities: Sequence[Identity], domain: StatedDomain) -> bool:
+def shown(poly: Polynomial, sense: str, given: Mapping[str, Condition], identities: Identities, domain: StatedDomain) -> bool:
     """Whether some identity refutes that ``poly`` is not ``sense`` 0 (">" or ">=") somewhere in the domain where ``given`` holds."""
     against = (negated(poly), ">=" if sense == ">" else ">")
     for identity in identities:
@@ -174,7 +171,7 @@ def shown(poly: Polynomial, sense: str, given: Mapping[str, Condition], identiti
     return False
 
 
-def _refuted(conditions: Mapping[str, Condition], identity: Identity, domain: StatedDomain) -> bool:
+def _refuted(conditions: Mapping[str, Condition], identity: Mapping[str, Any], domain: StatedDomain) -> bool:
     """Whether the conditions cannot hold together anywhere in the domain, the identity being checked.
 
     It speaks of a condition by its name in ``conditions`` or by its formula; formulas whose sign the domain shows are

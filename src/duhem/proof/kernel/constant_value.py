@@ -27,7 +27,7 @@ from typing import ClassVar, NamedTuple
 from duhem.proof.kernel.bounds import ANY, NEGATIVE, POSITIVE, ZERO, Bounds, Sign
 from duhem.proof.kernel.polynomial import Polynomial
 from duhem.proof.kernel.steps import pay
-from duhem.proof.kernel.term import COMPARISONS, NotWritten, Term, minus, number, product_of, sum_of
+from duhem.proof.kernel.term import COMPARISONS, HALF, NotWritten, Term, minus, number, product_of, sum_of
 
 __all__ = [
     "BITS", "RISING", "Enclosure", "below_right", "enclosed", "exact_value", "finer", "holds", "ordered", "sign_of_radicals",
@@ -430,7 +430,7 @@ def _sizes(term: Term, roots: dict[Term, int]) -> tuple[int, int]:
     if term.op == "number":
         return max(0, abs(term.value.numerator) - 1).bit_length(), (term.value.denominator - 1).bit_length()
     if term.op == "norm":
-        return _sizes(Term("**", (sum_of(*(product_of(a, a) for a in term.args)), number(Fraction(1, 2)))), roots)
+        return _sizes(Term("**", (sum_of(*(product_of(a, a) for a in term.args)), HALF)), roots)
     if term.op == "**":
         if (n := _exponent(term)) is None:
             raise NotWritten("an exponent is no small fraction")
@@ -453,7 +453,7 @@ def _sizes(term: Term, roots: dict[Term, int]) -> tuple[int, int]:
 
 _Signs = Callable[[Term], Sign]
 _COARSE = 40  # binary digits that the ends of a span need not have
-_UNIT, _RIGHT = Fraction(1), product_of(number(Fraction(1, 2)), Term("name", name="pi"))
+_UNIT, _RIGHT = Fraction(1), product_of(HALF, Term("name", name="pi"))
 _NEAR_RIGHT = number(Fraction(3, 2))  # less than pi/2, and a fraction
 _WITHIN = {
     "sin": Bounds(-_UNIT, _UNIT), "cos": Bounds(-_UNIT, _UNIT), "tanh": Bounds(-_UNIT, _UNIT, True, True),

@@ -35,11 +35,11 @@ from duhem.proof.kernel.signs import sign_of_constant
 from duhem.proof.kernel.spectrum import quasiconvex_with_parts_freed
 from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.kernel.steps import pay
-from duhem.proof.kernel.term import NotWritten, Term, minus, number, product_of, sum_of
+from duhem.proof.kernel.term import HALF, NotWritten, Term, minus, number, product_of, sum_of
 
 __all__ = ["over", "shown", "within_ranges"]
 
-_HALF, _ONE = number(Fraction(1, 2)), number(1)
+_ONE = number(1)
 _SIGN_KEPT = (  # words that rise, and have the sign of what they are of; a new word is a row here
     "tanh", "atan",
 )  # fmt: skip
@@ -97,7 +97,7 @@ def _of_its_spelling(term: Term, known: Facts, domain: StatedDomain) -> Facts:
         return known
     parts = [(part, len(scales)) for part, scales in _summed(term, domain).items() if not domain.constant(part)] if term.op == "+" else []
     kinked = len(parts) <= _MOST_KINDS and any(part.op in _KINKS or (n > 1 and part.op != "name") for part, n in parts)
-    rooted = term.op == "**" and term.args[1] == _HALF and term.args[0].op in ("+", "*", "**")
+    rooted = term.op == "**" and term.args[1] == HALF and term.args[0].op in ("+", "*", "**")
     with suppress(NotWritten):
         form = normal(term, domain) if kinked or rooted else term
         found = [domain.facts(form)] if form != term and normal(form, domain) == form else []  # one that is its own
@@ -271,7 +271,7 @@ def _square_over_load(square: Term, under: Term, domain: StatedDomain) -> Sign:
     """
     if under.op != "**" or under.args[1] != number(-1):
         return 0
-    root = domain.facts(Term("**", (square, _HALF)))
+    root = domain.facts(Term("**", (square, HALF)))
     if not (root.defined and root.convex):
         return 0
     load = domain.facts(under.args[0])
@@ -366,7 +366,7 @@ def _minkowski(term: Term, domain: StatedDomain) -> bool:
         scale, moving = apart(part, domain)
         if not (domain.facts(scale).defined and domain.facts(scale).nonnegative):
             return False
-        if not moving and out == _HALF:
+        if not moving and out == HALF:
             continue  # the square of its root: one term more
         if len(moving) != 1 or moving[0].op != "**" or (shared is not None and moving[0].args[1] != shared):
             return False
@@ -432,7 +432,7 @@ def by_its_matrix(term: Term, known: Facts, domain: StatedDomain) -> Facts:
             matrix, row, constant = quadratic(square, names, domain)
             if all(part.convex for part in others) and semidefinite(matrix, domain):
                 known = replace(known, convex=True, quasiconvex=True)
-            halves = [product_of(_HALF, b) for b in row]
+            halves = [product_of(HALF, b) for b in row]
             wider = [*([*line, b] for line, b in zip(matrix, halves, strict=True)), [*halves, constant]]
             if all(part.nonnegative for part in others) and semidefinite(wider, domain):
                 above = domain.facts(constant).sign == POSITIVE and all(domain.facts(b).sign == ZERO for b in row)

@@ -29,7 +29,7 @@ from duhem.proof.kernel.plane_function import power_of
 from duhem.proof.kernel.polynomial import ONE, Polynomial, in_powers, joined, negated, times, total, written
 from duhem.proof.kernel.signs import RAY, nonnegative
 from duhem.proof.kernel.stated_law import StatedLaw, as_list, declared, formula_over
-from duhem.proof.kernel.term import NotWritten, Term, minus, number, parse, product_of, sum_of
+from duhem.proof.kernel.term import HALF, NotWritten, Term, minus, number, parse, product_of, sum_of
 
 __all__ = ["Stated", "StatedCurve"]
 
@@ -366,9 +366,8 @@ class _Around(StatedDomain):
         return domain.nonnegative(written(poly), strict) or any(self._above_with_root(root, poly, strict, domain) for root in words)
 
     def _above_with_root(self, root: Term, poly: Polynomial, strict: bool, domain: StatedDomain) -> bool:
-        if not (root.op in ("abs", "norm") or (root.op == "**" and root.args[1] == number(Fraction(1, 2)))):
-            return False
-        if {dict(m).get(root, 0) for m in poly} - {0, 1}:
+        known = root.op in ("abs", "norm") or (root.op == "**" and root.args[1] == HALF)
+        if not known or {dict(m).get(root, 0) for m in poly} - {0, 1}:
             return False
         (rest, share), square = in_powers(poly, root), self.polynomial(Term("**", (root, number(2))))
         if not self._above(rest, False, domain):

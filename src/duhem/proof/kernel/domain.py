@@ -35,7 +35,7 @@ from duhem.proof.kernel.polynomial import (
 )
 from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.kernel.steps import pay
-from duhem.proof.kernel.term import NotWritten, Term, minus, number, product_of, sum_of
+from duhem.proof.kernel.term import HALF, NotWritten, Term, minus, number, product_of, sum_of
 
 __all__ = ["ANY", "NEGATIVE", "POSITIVE", "ZERO", "Bounds", "EmptyError", "Sign", "StatedDomain", "exact", "gap"]
 
@@ -44,7 +44,6 @@ _MOST_PAIRS = 40  # of a term of a formula and one of a constraint, for two cons
 _MOST_OF_PRODUCT, _MOST_SIZES = 16, 2  # pairs of terms of two constraints; sizes in one
 _FEW, _SHORT = 4, 12  # words that are no names, and terms, of which ends of spans are tried
 _PASSES = 3  # over the constraints, as ends that one leaves are used by the next
-_HALF = number(Fraction(1, 2))
 _AT_ZERO = dict.fromkeys(("exp", "cos", "cosh"), 1) | dict.fromkeys(("sin", "tan", "asin", "atan", "sinh", "tanh"), 0)
 
 
@@ -328,9 +327,9 @@ class StatedDomain:
         """The size of x, times the root of a number, where a constant is a number times x^2."""
         known = base.names() <= {*self.bounds, "pi", self.law.pressure}
         with suppress(NotWritten):
-            if known and exponent == _HALF and (found := root_of_square(self.polynomial(base))) is not None and number_in(found[1]) is None:
+            if known and exponent == HALF and (found := root_of_square(self.polynomial(base))) is not None and number_in(found[1]) is None:
                 size = self.plain(Term("abs", (written(found[1]),)))
-                return size if found[0] == 1 else product_of(Term("**", (number(found[0]), _HALF)), size)
+                return size if found[0] == 1 else product_of(Term("**", (number(found[0]), HALF)), size)
         return None
 
     def plain(self, term: Term) -> Term:

@@ -45,7 +45,7 @@ from duhem.proof.kernel.polynomial import (
     total,
 )
 from duhem.proof.kernel.steps import pay
-from duhem.proof.kernel.term import COMPARISONS, ENDS, NotWritten, Term, factors, minus, number, product_of, sum_of
+from duhem.proof.kernel.term import COMPARISONS, ENDS, HALF, NotWritten, Term, factors, minus, number, product_of, sum_of
 
 __all__ = ["added", "normal", "scaled"]
 
@@ -138,7 +138,7 @@ def added(parts: list[Term]) -> Term:
 
 # -- the normal form ---------------------------------------------------------------------------------------------------
 
-_HALF, _ZERO = number(Fraction(1, 2)), number(0)
+_ZERO = number(0)
 _KINKS = (*ENDS, "max", "min", "where")
 _LOAD = Term("name", name="the load")  # no name of a law has blanks
 _PRICE = 20  # steps for a part, beside what its polynomials cost
@@ -380,14 +380,14 @@ class _Form(NamedTuple):
             known = sum_of_squares(rest, self.domain)
             inner = self._presented(rest) if known is None else added([scaled(c, ((self._presented(y), 2),)) for c, y in known])
             if not squares or (known is None and self.domain.facts(inner).sign & NEGATIVE):
-                return None if known is None else Term("**", (inner, _HALF))
-            squares.append(({(): Fraction(1)}, Term("**", (inner, _HALF))))
+                return None if known is None else Term("**", (inner, HALF))
+            squares.append(({(): Fraction(1)}, Term("**", (inner, HALF))))
         if any(self.domain.facts(plainly(c)).sign & NEGATIVE for c, _ in squares):
             return None
         return self._norm([self._collected(product_of(self._root_of(c), x)) for c, x in squares])
 
     def _root_of(self, constant: Polynomial) -> Term:
-        root = Term("**", (plainly(constant), _HALF))
+        root = Term("**", (plainly(constant), HALF))
         with suppress(NotWritten):
             return number(exact_value(root))
         return root
@@ -437,8 +437,8 @@ class _Form(NamedTuple):
         for m in [*poly]:
             moving = [(x, n) for x, n in m if not self.domain.constant(x)]
             if len(moving) == 1 and moving[0][1] == 1 and (ramp := moving[0][0]).op in ("pos", "neg") and m in poly:
-                size, way = Term("abs", ramp.args), _HALF if ramp.op == "pos" else minus(_HALF)
-                both = self._poly(sum_of(product_of(_HALF, size), product_of(way, ramp.args[0])))
+                size, way = Term("abs", ramp.args), HALF if ramp.op == "pos" else minus(HALF)
+                both = self._poly(sum_of(product_of(HALF, size), product_of(way, ramp.args[0])))
                 linear = {k: c for k, c in poly.items() if dict(k).get(ramp) == 1 and sum(not self.domain.constant(x) for x, _ in k) == 1}
                 rest = {k: c for k, c in poly.items() if k not in linear}
                 poly = total(rest, replaced(linear, ramp, both))
@@ -447,7 +447,7 @@ class _Form(NamedTuple):
     def _reduced(self, poly: Polynomial) -> Polynomial:
         """Even powers of roots, sizes and norms undone, and P divided out of quotients (q P)/P."""
         for x in sorted({x for m in poly for x, n in m if abs(n) >= 2}):
-            rooted = x.op == "**" and x.args[1] == _HALF
+            rooted = x.op == "**" and x.args[1] == HALF
             if x.op in ("abs", "norm") or rooted:
                 square = self._poly(x.args[0] if rooted else sum_of(*(product_of(a, a) for a in x.args)))
                 found = list[Polynomial]()

@@ -27,7 +27,7 @@ from duhem.proof.kernel.forms import place_of
 from duhem.proof.kernel.normal_form import normal
 from duhem.proof.kernel.signs import RealRoot
 from duhem.proof.kernel.stated_law import StatedLaw, as_list, as_object, without_more
-from duhem.proof.kernel.term import COMPARISONS, UNREADABLE, NotWritten, Term, in_words, minus, number, parse, product_of, sum_of
+from duhem.proof.kernel.term import COMPARISONS, HALF, UNREADABLE, NotWritten, Term, in_words, minus, number, parse, product_of, sum_of
 
 __all__ = [
     "REFUTATIONS", "SCHEMA", "TreeLeaf", "at_values", "ends", "family_fails", "law_where", "not_outside", "opposite", "own_domain",
@@ -226,7 +226,7 @@ def _left_by_a_chord(law: StatedLaw, evidence: Evidence) -> bool:
     """K is not convex: two points lie in it and in the ranges, and the midpoint is not in K; at one pressure, where there is one."""
     domain, held = over(law), dict[Term, Term]()
     ends = [place_of(evidence[key], domain) for key in ("p", "q")]
-    middle = {x: product_of(number(Fraction(1, 2)), sum_of(*(end[x] for end in ends))) for x in ends[0]}
+    middle = {x: product_of(HALF, sum_of(*(end[x] for end in ends))) for x in ends[0]}
     if law.pressure is not None:
         held = {Term("name", name=law.pressure): (pressure := parse(evidence["pressure"]))}
         if _sign(pressure, domain) != NEGATIVE:

@@ -20,7 +20,7 @@ from typing import Any, NamedTuple
 from duhem.proof.kernel.domain import StatedDomain
 from duhem.proof.kernel.polynomial import ONE, Polynomial, grouped, in_powers, negated, number_in, replaced, slope, times, total, written
 from duhem.proof.kernel.signs import RAY, Interval, divided_by, line, nonnegative, parts
-from duhem.proof.kernel.term import NotWritten, Term, number
+from duhem.proof.kernel.term import HALF, NotWritten, Term, number
 
 __all__ = [
     "MOST_POWER", "Base", "PlaneFunction", "PlaneVariable", "Signs", "added", "base_of", "derivatives", "inner", "multiplied", "plain",
@@ -29,7 +29,6 @@ __all__ = [
 
 MOST_POWER = 24
 Base = tuple[tuple[Any, Fraction], ...]  # a polynomial > 0, as its terms in order
-_HALF = number(Fraction(1, 2))
 _PRIMES = (2, 3, 5, 7, 11, 13)
 _LOWEST, _DEEPEST = -40, 3  # of powers of a root, and of squarings
 
@@ -251,7 +250,7 @@ def root_of(poly: Polynomial) -> Polynomial:
     """Its root, as a polynomial."""
     if (n := number_in(poly)) is not None:
         return _root_of_number(n)
-    return {((Term("**", (written(dict(sorted(poly.items()))), _HALF)), 1),): Fraction(1)}
+    return {((Term("**", (written(dict(sorted(poly.items()))), HALF)), 1),): Fraction(1)}
 
 
 def _root_of_number(x: Fraction) -> Polynomial:
@@ -266,17 +265,17 @@ def _root_of_number(x: Fraction) -> Polynomial:
         while left % p == 0:
             left, n = left // p, n + 1
         out *= p ** (n // 2)
-        found += [(Term("**", (number(p), _HALF)), 1)] * (n % 2)
+        found += [(Term("**", (number(p), HALF)), 1)] * (n % 2)
     whole = int(left**0.5 + 0.5) if left < 2**50 else 0
     if whole * whole == left:
         left, out = 1, out * whole
-    found += [(Term("**", (number(left), _HALF)), 1)] * (left > 1)
+    found += [(Term("**", (number(left), HALF)), 1)] * (left > 1)
     return {tuple(sorted(found)): out}
 
 
 def roots_in(poly: Polynomial) -> list[Term]:
     """The roots it is written in."""
-    return sorted({x for m in poly for x, _ in m if x.op == "**" and x.args[1] == _HALF})
+    return sorted({x for m in poly for x, _ in m if x.op == "**" and x.args[1] == HALF})
 
 
 def inner(root: Term, domain: StatedDomain) -> Polynomial:

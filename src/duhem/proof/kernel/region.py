@@ -52,7 +52,7 @@ from duhem.proof.kernel.profiles import times_load
 from duhem.proof.kernel.regularity import smooth_but_where_zero
 from duhem.proof.kernel.signs import RAY, Line
 from duhem.proof.kernel.stated_law import StatedLaw
-from duhem.proof.kernel.term import NotWritten, Term, factors, minus, number, product_of, sum_of
+from duhem.proof.kernel.term import HALF, NotWritten, Term, factors, minus, number, product_of, sum_of
 
 __all__ = ["convex_by_its_profile", "convex_in_its_region", "region_of", "round_at_its_ends", "where_it_has_a_value", "where_loads_allow"]
 
@@ -365,7 +365,7 @@ def _below_a_load(rest: Term, product: Term, domain: StatedDomain) -> bool:
     sign, squares = _shown(scale, domain).sign, [f for f in moving if f.op == "**" and f.args[1] == number(2)]
     if squares and len(moving) == 2 and sign in (NEGATIVE, POSITIVE):
         other = moving[moving[0] is squares[0]]
-        found.append((Term("**", (rest, number(Fraction(1, 2)))), squares[0].args[0], other if sign == NEGATIVE else minus(other)))
+        found.append((Term("**", (rest, HALF)), squares[0].args[0], other if sign == NEGATIVE else minus(other)))
     if product.op == "**" and domain.constant(n := product.args[1]) and not domain.facts(sum_of(n, number(-1))).sign & NEGATIVE:
         _, parts = apart(product.args[0], domain)
         under = [y for f in parts if f.op == "**" and f.args[1] == number(-1) for y in apart(f.args[0], domain)[1]]

@@ -35,7 +35,7 @@ from duhem.proof.kernel.domain import ANY, NEGATIVE, POSITIVE, ZERO, Sign, State
 from duhem.proof.kernel.identity import multiplied_through
 from duhem.proof.kernel.polynomial import Polynomial, in_powers, joined, replaced, root_of_square, times, total, written
 from duhem.proof.kernel.stated_law import as_list, without_more
-from duhem.proof.kernel.term import ENDS, NotWritten, Term, factors, minus, number, product_of, sum_of
+from duhem.proof.kernel.term import ENDS, HALF, NotWritten, Term, factors, minus, number, product_of, sum_of
 
 __all__ = [
     "RAY", "Interval", "Line", "RealRoot", "common_roots", "divided_by", "divides", "line", "nonnegative", "nonnegative_on_the_line",
@@ -89,7 +89,7 @@ def _of_sum_with_a_size(term: Term, domain: StatedDomain) -> Sign:
     """
     for i, part in enumerate(term.args if term.op == "+" else ()):
         part = product_of(*(g for f in factors(part) for g in factors(domain.plain(f))))
-        sizes = [f for f in factors(part) if f.op in ("norm", *ENDS) or (f.op == "**" and f.args[1] == number(Fraction(1, 2)))]
+        sizes = [f for f in factors(part) if f.op in ("norm", *ENDS) or (f.op == "**" and f.args[1] == HALF)]
         scale = product_of(*(f for f in factors(part) if f not in sizes))
         if len(sizes) != 1 or (way := domain.facts(scale).sign) not in (POSITIVE, NEGATIVE):
             continue

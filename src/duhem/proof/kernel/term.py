@@ -15,8 +15,8 @@ from typing import NamedTuple
 from duhem.proof.kernel.steps import pay
 
 __all__ = [
-    "COMPARISONS", "ENDS", "UNREADABLE", "WORDS", "NotWritten", "Term", "bounded", "definitions", "factors", "in_words", "minus", "number",
-    "parse", "product_of", "sign_of", "sum_of",
+    "COMPARISONS", "ENDS", "HALF", "UNREADABLE", "WORDS", "NotWritten", "Term", "bounded", "definitions", "factors", "in_words", "minus",
+    "number", "parse", "product_of", "sign_of", "sum_of",
 ]  # fmt: skip
 
 _OF_ONE = (
@@ -152,6 +152,9 @@ class Term(_Parts):
 def number(value: Fraction | int) -> Term:
     """A number as a term."""
     return Term("number", value=Fraction(value))
+
+
+HALF = number(Fraction(1, 2))
 
 
 def minus(term: Term) -> Term:
@@ -352,7 +355,7 @@ def _call(tokens: list[str], at: int, depth: int) -> tuple[Term, int]:
 def _meaning(word: str, args: list[Term]) -> Term:
     x = args[0]
     if word == "sqrt":
-        return Term("**", (x, number(Fraction(1, 2))))
+        return Term("**", (x, HALF))
     if word == "log10":
         return Term("*", (Term("log", (x,)), Term("**", (Term("log", (number(10),)), number(-1)))))
     if word in ("softplus", "logsumexp"):
