@@ -196,6 +196,7 @@ provided that K is star-shaped about 0.  Otherwise the claim stays undecided, an
 If the law has a boundary curve T, then K consists of the points around which the curve winds.  duhem counts the turns of T
 around 0, or proves T x T' > 0, or proves T . d > 0, so that T turns as often as the flow d.""",
         methods=(
+            ProofMethod(Subject, refuters.origin_out_of_range),
             CHEAP,
             WITHOUT_K,
             ProofMethod(FormulaSubject, refuters.origin_at_parameters, again=True),
@@ -342,6 +343,7 @@ force . rate.""",
             DEAR,
             Finder(FormulaSubject, evidence.dissipation_by_identities),
             ProofMethod(FormulaSubject, evidence.dissipation_on_boundary),
+            Finder(FormulaSubject, evidence.dissipation_in_a_box),
             ProofMethod(FormulaSubject, refuters.dissipation_by_sampling),
             ProofMethod(CurveSubject, curves.dissipation_refuted),
         ),

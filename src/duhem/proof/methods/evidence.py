@@ -31,9 +31,9 @@ from duhem.proof.verdict import Evidence, Proof, Verdict
 
 __all__ = [
     "convexity_by_branches", "convexity_by_sums", "convexity_in_a_box", "convexity_on_boundary", "dissipation_by_identities",
-    "dissipation_by_shares", "dissipation_of_potential", "dissipation_on_boundary", "duality", "normality_parallel", "origin_by_signs",
-    "smoothness_by_identities", "smoothness_by_sums", "smoothness_in_a_box", "smoothness_on_boundary", "state_laws_not_stated",
-    "without_heat",
+    "dissipation_by_shares", "dissipation_in_a_box", "dissipation_of_potential", "dissipation_on_boundary", "duality", "normality_parallel",
+    "origin_by_signs", "smoothness_by_identities", "smoothness_by_sums", "smoothness_in_a_box", "smoothness_on_boundary",
+    "state_laws_not_stated", "without_heat",
 ]  # fmt: skip
 
 Terms = Mapping[sp.Expr, sp.Expr]  # what depends on the forces, and its coefficient
@@ -92,10 +92,17 @@ def smoothness_in_a_box(subject: FormulaSubject | GraphSubject) -> Iterator[Evid
         yield _offered("slope-in-a-box", detail, {})
 
 
+def dissipation_in_a_box(subject: FormulaSubject | GraphSubject) -> Iterator[Evidence]:
+    """In each part of the ranges of the forces in which g may be 0 the slip dissipates.  It is too dear for the effort ``quick``."""
+    if _may_enclose(subject):
+        detail = "force . slip >= 0 where g = 0, by enclosures in parts of the ranges of the forces"
+        yield _offered("power-in-a-box", detail, {})
+
+
 def _may_enclose(subject: FormulaSubject | GraphSubject) -> bool:
-    """Whether two forces have ranges with both ends, and the effort is above ``quick``."""
+    """Whether all forces, three at most, have ranges with both ends, and the effort is above ``quick``."""
     ranges = [subject.law.domain.get(x, REAL) for x in subject.law.forces]
-    return subject.effort >= 1 and len(ranges) == 2 and all(own.low is not None and own.high is not None for own in ranges)
+    return subject.effort >= 1 and len(ranges) <= 3 and all(own.low is not None and own.high is not None for own in ranges)
 
 
 def convexity_by_branches(subject: FormulaSubject) -> Evidence | None:
