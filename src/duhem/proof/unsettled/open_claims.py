@@ -27,12 +27,11 @@ from duhem.proof.facts.subject import Subject
 from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.kernel.steps import TooDearError, within
 from duhem.proof.kernel.term import UNREADABLE, parse
-from duhem.proof.search.boundary_points import scouts
 from duhem.proof.search.margins import least_margin
 from duhem.proof.unsettled.blocked import Blocked, blocked, required
 from duhem.proof.unsettled.forms import other_forms
 from duhem.proof.unsettled.limits import keeps_k, named_around, same_points, with_values
-from duhem.proof.unsettled.ranges import Ranges, around_the_boundary
+from duhem.proof.unsettled.ranges import Ranges, around_the_boundary, boundary
 from duhem.proof.unsettled.term_text import Names, in_text, names_of
 from duhem.proof.unsettled.trials import Attempts, Rewriting, that_help
 from duhem.proof.verdict import CONTRADICTION, Evidence, Unsettled, Verdict
@@ -219,7 +218,7 @@ def _has_k(asked: _OpenClaim, values: Mapping[str, Any]) -> bool:
     if known or not isinstance(law, Criterion) or law.forces_of_rates or law.viscous:
         return True
     with suppress(InputError):
-        return any(len(found.boundary) for found in scouts(FormulaSubject(law.fix(values)), 1))
+        return len(boundary(FormulaSubject(law.fix(values)))) > 0
     return False
 
 

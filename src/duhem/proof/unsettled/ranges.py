@@ -16,7 +16,7 @@ from duhem.law.domain import REAL
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.facts.subject import Values
 
-__all__ = ["Ranges", "around_the_boundary", "others_at"]
+__all__ = ["Ranges", "around_the_boundary", "boundary", "others_at"]
 
 Ranges = dict[str, dict[str, str]]  # the ends of each force and of the pressure, as a criterion file has them
 _MOST_FORCES = 3  # that the kernel's boxes have
@@ -27,9 +27,9 @@ _PRESSURE = {"min": "-1.1", "max": "-0.9"}
 
 
 def around_the_boundary(subject: FormulaSubject) -> Iterator[Ranges]:
-    """Ranges that hold most of the boundary; those that keep away from 0; some around one point, where no force is small."""
+    """Ranges that hold most of the boundary; those that keep away from 0; some around one point, where no two forces are equal, or 0."""
     law = subject.law
-    points = _boundary(subject) if len(law.forces) <= _MOST_FORCES else np.zeros((0, 0))
+    points = boundary(subject) if len(law.forces) <= _MOST_FORCES else np.zeros((0, 0))
     if not len(points):
         return
     sizes = np.linalg.norm(points, axis=1)
@@ -41,7 +41,8 @@ def around_the_boundary(subject: FormulaSubject) -> Iterator[Ranges]:
     ends = [np.clip((least - wider, most + wider), *own)]
     one_sided = np.array([(least >= -size) & (most > size), (most <= size) & (least < -size)])
     ends += [np.array([np.where(one_sided[0], np.maximum(least, size), least), np.where(one_sided[1], np.minimum(most, -size), most)])]
-    centre = near[np.argmax(np.abs(near).min(axis=1) / np.linalg.norm(near, axis=1))]
+    apart = np.abs(near[:, :, None] - near[:, None]) + np.abs(near)[:, :, None] * np.eye(near.shape[1])  # of principal stresses, too
+    centre = near[np.argmax(apart.min(axis=(1, 2)) / np.linalg.norm(near, axis=1))]
     ends += [np.clip((centre - share * np.abs(centre), centre + share * np.abs(centre)), *own) for share in _PATCHES]
     for low, high in ends:
         found = {law.pressure: _PRESSURE} if law.pressure else {}
@@ -55,7 +56,7 @@ def _short(x: float) -> str:
 
 
 @np.errstate(all="ignore")  # where a formula has no value it is nan, or infinite
-def _boundary(subject: FormulaSubject) -> NDArray[np.float64]:
+def boundary(subject: FormulaSubject) -> NDArray[np.float64]:
     """Points of the boundary, of all sizes, between places inside and outside."""
     law, rng = subject.law, np.random.default_rng(3)
     run = compiled(law.g, law.symbols().values())

@@ -10,7 +10,8 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
 from fractions import Fraction
-from itertools import islice, product
+from functools import partial
+from itertools import islice, product, takewhile
 from typing import Any, NamedTuple
 
 from duhem.proof.decide import Budget
@@ -31,8 +32,8 @@ Text = Mapping[str, Any]  # a law as the kernel reads it
 Choice = Mapping[str, Fraction]
 Choices = Callable[[Iterable[Choice]], Iterable[Choice]]  # those of some at which K is not empty, and more
 Decide = Callable[[str, Text, Budget], Verdict | None]  # the verdict on a claim of a changed law; None where it is open
-_IN_ALL, _SHARE = 5_000_000, 2  # steps for all claims of a law; one claim may use 1/_SHARE of what is left
-_A_TRIAL, _A_KIND, _A_DECISION, _IN_A_BOX, _READING = 200_000, 400_000, 250_000, 500_000, 5_000  # steps; for reading a law
+_IN_ALL, _SHARE = 6_000_000, 3  # steps for all claims of a law; one claim may use 1/_SHARE of what is left
+_A_TRIAL, _A_KIND, _A_DECISION, _READING = 200_000, 400_000, 250_000, 5_000  # steps; for reading a law
 _BEFORE = ("origin", "convexity", "smoothness", "normality", "dissipation", "state_laws", "homogeneity")
 _TOLD = _BEFORE[:5]  # those of which it is said that they are proved too
 _PLAIN = tuple(map(Fraction, ("1", "2", "1/2", "1/10", "3", "-1")))
@@ -102,9 +103,9 @@ def that_help(
     alone = () if any(form.at_tip for form in forms()) or not known or claim == "duality" else sorted(known[0])
     moved = _moved(law, part) if claim == "smoothness" and "g" in law else ()  # nothing else of a moved K is true of K itself
     beside = (told for told, changed in moved if asked(changed))
-    if found := _narrowed(law, alone, known, {}, asked) or [*islice(beside, 1)] or _boxed(law, ({},), ranges, asked):
+    if found := _narrowed(law, alone, known, {}, asked) or [*islice(beside, 1)]:
         return found
-    boxed = _boxed(law, known[:_MOST_BOXED], ranges, asked)  # before what takes most steps
+    boxed = _boxed(law, known[:_MOST_BOXED] or ({},), ranges, asked)  # before what takes most steps
     return _settling(law, forms(), part, known, choices, asked) or boxed
 
 
@@ -144,7 +145,7 @@ class _Asked:
         if claim in known or claim in answers or self.steps < 0 or self.tried.steps <= self.kept:
             return claim in known
         alone = bool(rules) and claim in ("smoothness", "dissipation")  # which rest on nothing else then, and take fewer steps
-        with within(_IN_A_BOX if rules and not alone else _A_TRIAL) as purse, suppress(*UNREADABLE, TooDearError):
+        with within(_A_TRIAL) as purse, suppress(*UNREADABLE, TooDearError):
             read, needed = stated(law), {claim}
             for name in reversed(() if alone else _BEFORE):
                 needed |= needs_of(name, read) if name in needed else set()
@@ -245,22 +246,24 @@ def _settling(
 
 
 def _boxed(law: Text, known: Sequence[Choice], ranges: Callable[[Choice], Iterable[Text]], asked: _Asked) -> list[str]:
-    """Ranges of the forces in which enclosures show the claim, with some values of the parameters, the fewest of these that will do."""
+    """Ranges of the forces in which enclosures show the claim, the widest, with some values of the parameters, the fewest that will do.
+
+    The narrowest are asked first, as these cost least.
+    """
     for values in known if asked.claim in _IN_BOXES else ():
         asked.steps, rules = _A_KIND, _IN_BOXES[asked.claim]
-        for box in ranges(values):
-            if not asked(boxed := {**_with(law, values), "domain": box}, rules=rules):
-                continue
-            for x in values:
-                fewer = {name: value for name, value in values.items() if name != x}
-                if asked(freed := {**_with(law, fewer), "domain": box}, rules=rules):
-                    values, boxed = fewer, freed
-            near = " and ".join(f"{x} = {{ min = {_in_a_file(own['min'])}, max = {_in_a_file(own['max'])} }}" for x, own in box.items())
-            return [
-                asked.keep(
-                    " and ".join(filter(None, (f"ask for forces near K alone: {near} in the section [domain]", settings(values)))), boxed
-                )
-            ]
+        texts = ({**_with(law, values), "domain": box} for box in reversed([*ranges(values)]))
+        if not (shown := [*takewhile(partial(asked, rules=rules), texts)]):
+            continue
+        boxed, asked.steps = shown[-1], _A_KIND
+        for x in values:
+            fewer = {name: value for name, value in values.items() if name != x}
+            if asked(freed := {**_with(law, fewer), "domain": boxed["domain"]}, rules=rules):
+                values, boxed = fewer, freed
+        ends = boxed["domain"].items()
+        near = " and ".join(f"{x} = {{ min = {_in_a_file(own['min'])}, max = {_in_a_file(own['max'])} }}" for x, own in ends)
+        told = f"ask for forces near K alone: {near} in the section [domain]"
+        return [asked.keep(" and ".join(filter(None, (told, settings(values)))), boxed)]
     return []
 
 
