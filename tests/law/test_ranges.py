@@ -85,7 +85,15 @@ def test_a_certificate_with_a_wider_range_is_not_confirmed() -> None:
 
 
 @pytest.mark.parametrize(
-    "domain", [{"sigma_n": {"min": "0"}}, {"a": {"min": "1"}}, {"mu": {"min": "0"}}, {"c": {}}, {"sigma_n": {"positive": True}}]
+    "domain",
+    [
+        {"sigma_n": {"min": "0"}},
+        {"a": {"positive": True}},
+        {"a": {"value": "1"}},
+        {"mu": {"min": "0"}},
+        {"c": {}},
+        {"sigma_n": {"positive": True}},
+    ],
 )
 def test_what_the_kernel_refuses(domain: dict[str, object]) -> None:
     with pytest.raises(NotWritten):
@@ -101,8 +109,7 @@ HEAD = '[criterion]\nname = "x"\ng = "norm(sigma_a, sigma_b) + sigma_n"\n[domain
 FAULTS = {
     "no name of the law": ("sigma_x = { min = 0 }", "neither a force nor the pressure"),
     "no pressure left": ("sigma_n = { min = 0 }", "the range contains no sigma_n < 0"),
-    "without zero force": ("sigma_a = { min = 1 }", "must contain 0 and other values"),
-    "zero force alone": ("sigma_a = { min = 0, max = 0 }", "must contain 0 and other values"),
+    "zero force alone": ("sigma_a = { min = 0, max = 0 }", "must have its ends in it, and other values"),
     "empty": ("sigma_n = { min = -1, max = -2 }", "is empty"),
     "a number": ("sigma_n = -100", "is not a table"),
     "another key": ("sigma_n = { least = -100 }", "unknown key 'least'"),
@@ -123,3 +130,46 @@ def test_a_fault_is_found_where_it_stands(fault: str) -> None:
 def test_what_a_program_may_get_wrong(domain: object) -> None:
     with pytest.raises(InputError):
         Criterion(name="x", g="norm(a, b) - 1", forces=("a", "b"), domain=domain)  # type: ignore[arg-type]
+
+
+STRIPS = [  # K within ranges that leave out zero force: what rests on zero force, or on rays from it, would be said wrongly
+    ("(a**2 + b**2 - 1)*((a - 4)**2 + b**2 - 1)", {"a": (2, 6), "b": (-2, 2)}, {"convexity": "proved", "dissipation": ""}),
+    ("a**2 + b**2 - 1 - 3*a**2*b**2", {"a": ("1/2", 3), "b": ("1/2", 3)}, {"convexity": "refuted"}),
+    ("q - p*tan(1/2 + 3/10/(1 + p))", {"p": ("1/4", 2), "q": ("1/10", 2)},
+     {"convexity": "proved", "smoothness": "proved", "dissipation": "proved"}),
+    ("norm(a, b) - 1", {"a": ("1/2", 2), "b": ("-1/2", 2)}, {"convexity": "proved", "normality": "proved", "dissipation": "proved"}),
+    ("1 - norm(a, b)", {"a": ("1/2", 2), "b": ("1/2", 2)}, {"convexity": "refuted", "dissipation": ""}),
+    ("abs(b) - a**2", {"a": ("1/2", 2), "b": (-9, 9)}, {"convexity": "refuted", "dissipation": ""}),
+    ("abs(b) - sqrt(a)", {"a": ("1/2", 2), "b": (-9, 9)}, {"convexity": "proved", "smoothness": "proved", "dissipation": "proved"}),
+    ("log(a) + b**2", {"a": ("1/2", 2), "b": (-2, 2)}, {"convexity": "refuted", "smoothness": "proved"}),
+]  # fmt: skip
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("g", "ranges", "verdicts"), STRIPS)
+def test_ranges_may_leave_out_zero_force(g: str, ranges: dict[str, tuple[object, object]], verdicts: dict[str, str]) -> None:
+    domain = {name: Domain.between(*ends) for name, ends in ranges.items()}
+    law = Criterion(name="x", g=g, forces=tuple(ranges), pressure=None, domain=domain)
+    assert reads(criterion_text(law)).domain == law.domain
+    found = duhem.verify(law)
+    assert found["origin"].verdict.value == "not_applicable" and found.generalized_standard is not True
+    known = {claim: found[claim].verdict.value for claim in verdicts}
+    assert all(known[claim] == verdict if verdict else known[claim] != "proved" for claim, verdict in verdicts.items()), known
+    assert all(result.trust is None or result.trust.value == "checked" for result in found if result.verdict.value == "proved")
+    assert duhem.recheck(found.certificate()).ok
+    for result in (result for result in found if result.witness is not None):
+        for point in result.witness.points.values():  # type: ignore[union-attr]
+            assert all(Fraction(point[name]) in law.domain[name] for name in law.domain)
+
+
+def test_no_region_is_asked_away_from_zero_force() -> None:
+    law = Criterion(
+        name="x",
+        g="a**2 + k*b**2 - 1",
+        forces=("a", "b"),
+        pressure=None,
+        parameters=MU | {"k": POSITIVE},
+        domain={"a": Domain.between(1, 2)},
+    )
+    with pytest.raises(InputError, match="zero force is outside the ranges"):
+        duhem.region(law.fix({"mu": 1}), "k")

@@ -64,7 +64,7 @@ TOLD = [
     (law("norm(a, b) - c*(1 - d)", {"c": POSITIVE, "d": ANY}), "smoothness",
         "norm(a, b)", "may be 0 on the boundary", 'add the constraint "d < 1"'),
     (law("sqrt(a**2 + c**2) - (d + m*b)", {"c": ANY, "d": ANY, "m": ANY}), "smoothness",
-        "a**2 + c**2", "may be 0", "ask for forces near K alone: a = { min = "),
+        "a**2 + c**2", "may be 0", "narrow c to what is > 0 (positive = true) and --set m=1/2"),
     (law("-k*(1 + c*cos3theta(s)) + sqrt(3*J2(s))", {"k": POSITIVE, "c": Domain.between(0, "1/9")}, (), stress=Stress("s", "principal")),
         "origin", "1/J2(s)**(3/2)", "at zero force", "write -k + sqrt(3*J2(s))/(1 + c*cos3theta(s)) for"),
     (law("norm(a, b) - c*(1 + d*cos(4*atan2(b, a)))", {"c": POSITIVE, "d": Domain.between(0, 1)}), "origin",

@@ -128,8 +128,8 @@ def range_fault(name: str, own: Domain, forces: Sequence[str], pressure: str | N
             return f"the range contains no {name} < 0", "the pressure is <= 0 in compression"
     elif name not in forces:
         return f"{name!r} is neither a force nor the pressure", f"ranges are of: {', '.join([*forces, *([pressure] if pressure else [])])}"
-    elif 0 not in own or own.value is not None:
-        return f"the range of {name} must contain 0 and other values", "the claims concern forces around zero: include 0"
+    elif own.value is not None or own.positive:
+        return f"the range of {name} must have its ends in it, and other values", "give it ends by min and max"
     return None
 
 

@@ -275,8 +275,8 @@ class Criterion(DeclaredLaw):
     ``stress`` declares a stress instead of ``forces``: its components are the forces, and its invariants are words.  ``define``
     maps local names to formulas, each in terms of those above it, for everything that is given as text.  ``potential`` is a formula
     whose gradient by the forces is the flow, instead of ``flow``; at a kink of it the flow is any mean of the gradients that meet there.
-    ``domain`` maps the pressure or forces to the ranges in which the claims are asked; zero force is in them.  Increments and
-    paths refuse a pressure outside, and say so of a stress.
+    ``domain`` maps the pressure or forces to the ranges in which the claims are asked; where zero force is outside, nothing is claimed
+    of it.  Increments and paths refuse a pressure outside, and say so of a stress.
 
     Instead of g and flow a law may have several ``surfaces``: K is where all of them are <= 0, g the greatest of them.  At a
     boundary point the slip is a non-negative combination of the flows of the surfaces that are 0 there (Koiter 1953).
@@ -459,6 +459,11 @@ class Criterion(DeclaredLaw):
             if stray := relation.free_symbols - allowed:
                 what = f"the constraint {relation} uses {sorted(map(str, stray))}"
                 raise InputError(what, where=self.name, remedy="constraints relate parameters only")
+
+    @property
+    def around_zero(self) -> bool:
+        """Whether zero force lies in the ranges of the forces."""
+        return all(0 in own for name, own in self.domain.items() if name != self.pressure)
 
     def symbols(self) -> dict[str, sp.Symbol]:
         """Every declared name with its symbol: forces, pressure, parameters, in this order."""

@@ -191,6 +191,7 @@ _ALL = (
         name="origin",
         statement="0 is in K(sigma_n) for every sigma_n < 0",
         methods=(
+            ProofMethod(Subject, refuters.origin_out_of_range),
             CHEAP,
             WITHOUT_K,
             ProofMethod(FormulaSubject, refuters.origin_at_parameters, again=True),
@@ -280,6 +281,7 @@ _ALL = (
             DEAR,
             Finder(FormulaSubject, evidence.dissipation_by_identities),
             ProofMethod(FormulaSubject, evidence.dissipation_on_boundary),
+            Finder(FormulaSubject, evidence.dissipation_in_a_box),
             ProofMethod(FormulaSubject, refuters.dissipation_by_sampling),
             ProofMethod(CurveSubject, curves.dissipation_refuted),
         ),

@@ -69,6 +69,8 @@ class AsksTheKernel:
     def __post_init__(self) -> None:
         try:
             self.stated = StatedLaw.read(law_as_text(self.law))
+            if not self.stated.around_zero:
+                raise NotWritten("zero force is outside the ranges of the forces")
         except NotWritten as fault:
             raise InputError(f"regions are not known of such a law: {fault}", where=self.law.name, remedy="use duhem verify") from None
         self.values = dict.fromkeys((n for n, own in self.stated.parameters.items() if n not in self.names and not own.single), "1")

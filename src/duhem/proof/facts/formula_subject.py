@@ -105,8 +105,12 @@ class FormulaSubject(Subject):
 
     def may_prove(self, claim: str) -> bool:
         """Whether a proof counts; one of a formula that may be undefined somewhere would be of another law."""
-        if self.of is not self.law or (claim == "dissipation" and (self.law.rates or self.law.energy is not None)):
-            return False  # the kernel alone knows the energy and the rates as they are written
+        if (
+            self.of is not self.law
+            or not self.law.around_zero
+            or (claim == "dissipation" and (self.law.rates or self.law.energy is not None))
+        ):
+            return False  # the kernel alone knows the energy and the rates as they are written, and ranges without zero force
         told = claim == "state_laws" or not (self.doubtful or (claim in _OF_THE_FLOW and self.doubtful_flow))
         return told and self.constraints_defined
 

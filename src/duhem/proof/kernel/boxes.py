@@ -1,11 +1,14 @@
-"""Convexity and smoothness of K in a box of two forces, by enclosures of the slopes and curvatures of g in parts of the box.
+"""Convexity, smoothness and dissipation of a law in a box of its forces, by enclosures of g and of its derivatives in parts of the box.
 
 Let g be twice differentiable in the box and c a point of it with g(c) < 0.  If (sigma - c) . grad g > 0 wherever g = 0, then g is 0 at
-most once on each ray from c, so that K is star-shaped; if v . H v > 0 there, with v along the boundary and H the second derivatives, K is
-locally convex.  A closed connected set that is locally convex is convex (Tietze 1928, Nakajima 1928).  Both are asked in each part in
-which g may be 0; a part in which they are not shown is divided (R. E. Moore 1966, Interval analysis).
+most once on each ray from c, so that K is star-shaped; if v . H v > 0 there for all v != 0 along the boundary, with H the second
+derivatives, K is locally convex.  A closed connected set that is locally convex is convex (Tietze 1928, Nakajima 1928).  Both are asked in
+each part in which g may be 0; a part in which they are not shown is divided (R. E. Moore 1966, Interval analysis).
 
-The boundary of any K is C^1 where grad g is continuous and not 0, which is asked in the same way.
+Where dg/dsigma_k != 0 the vectors t_i = (dg/dsigma_k) e_i - (dg/dsigma_i) e_k with i != k span all v along the boundary.
+
+The boundary of any K is C^1 where grad g is continuous and not 0, which is asked in the same way, and so is force . slip.  Where g has a
+kink, all means of the slopes on its sides are enclosed in that.
 
 Parameters and the pressure are further sides of the box, by which nothing is differentiated.
 
@@ -20,7 +23,7 @@ from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from fractions import Fraction
 from functools import cache, partial, reduce
-from itertools import product
+from itertools import combinations_with_replacement, product
 from math import perm
 from typing import TypeAlias
 
@@ -30,9 +33,9 @@ from duhem.proof.kernel.gradient import gradient
 from duhem.proof.kernel.polynomial import ONE, Polynomial, times, total
 from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.kernel.steps import pay
-from duhem.proof.kernel.term import NotWritten, Term, number, parse
+from duhem.proof.kernel.term import NotWritten, Term, number, parse, product_of, sum_of
 
-__all__ = ["TaylorForm", "coefficients", "convex_in_its_box", "smooth_in_its_box"]
+__all__ = ["TaylorForm", "coefficients", "convex_in_its_box", "dissipates_in_its_box", "smooth_in_its_box"]
 
 # -- a polynomial in a part of a box -----------------------------------------------------------------------------------
 
@@ -122,9 +125,9 @@ _PRICE = 7  # steps for a part of g, in a part of the box
 _SMOOTH = ("exp", "log", "sin", "cos", "tan", "sinh", "cosh", "tanh", "atan", "asin", "acos")
 _ZERO, _ONE, _TWO = (Enclosure.between(Fraction(n), Fraction(n)) for n in range(3))
 _X, _E, _SOFTPLUS = Term("name", name="x"), Term("name", name="exponent of x"), parse("log(1 + exp(x))")
+_MOST_FORCES = 3
 _Box = Mapping[str, Enclosure]
-_Jet = tuple[Enclosure, ...]  # slopes by both forces; second derivatives by the first alone, by both, by the second alone
-_STILL: _Jet = (_ZERO,) * 5
+_Jet = tuple[Enclosure, ...]  # slopes by all forces, and the second derivatives by each pair of them: by 0 and 0, 0 and 1, ... 1 and 1, ...
 _Found: TypeAlias = "_Derivatives | TaylorForm"
 
 
@@ -146,19 +149,30 @@ def smooth_in_its_box(law: StatedLaw) -> bool:
     return (whole := _whole(law)) is not None and _shown_in_all_parts(law, whole, partial(_has_a_slope, law))
 
 
+def dissipates_in_its_box(law: StatedLaw) -> bool:
+    """Whether sigma . grad g > 0 wherever g = 0, or force . slip >= 0 for a slip of the law's own."""
+    if (law.surfaces and not law.associated) or (whole := _whole(law)) is None:
+        return False
+    slip = law.flow or gradient(law.g, law.forces)
+    power = law.power or sum_of(*(product_of(Term("name", name=x), d) for x, d in zip(law.forces, slip, strict=True)))
+    choices = [x for x in law.g.parts() if x.op == "where"] if law.associated else []  # where one jumps, the slip is along no gradient
+    return _shown_in_all_parts(law, whole, partial(_dissipates, law, power, choices))
+
+
 def _whole(law: StatedLaw) -> dict[str, Enclosure] | None:
-    """The ranges of all names; None of a law that is not one of two stresses, NotWritten where a name has no range."""
-    if len(law.forces) != 2 or law.viscous or law.of_rates:
+    """The ranges of all names; None of a law of too many forces, or of rates, NotWritten where a name has no range."""
+    if len(law.forces) > _MOST_FORCES or law.viscous or law.of_rates:
         return None
     sides = {**law.parameters, **dict(law.ranges)}
-    return {name: _side(sides.get(name, Bounds(None, None))) for name in sorted({*law.g.names(), *law.forces} - {"pi"})}
+    names = {*law.forces}.union(*(x.names() for x in (law.g, *(law.flow or ()), *([law.power] if law.power else ()))))
+    return {name: _side(sides.get(name, Bounds(None, None))) for name in sorted(names - {"pi"})}
 
 
 def _shown_in_all_parts(law: StatedLaw, whole: dict[str, Enclosure], shown: Callable[[_Box, _Found], bool]) -> bool:
     """Whether something is shown in each part of the box, or in both halves of one in which it is not, and so on."""
     of: _Coefficients | None = None
     with suppress(ValueError, ZeroDivisionError, NotWritten):
-        of = coefficients(law.g, law.forces)  # where g is a polynomial of the two forces alone
+        of = coefficients(law.g, law.forces) if len(law.forces) == 2 else None  # where g is a polynomial of the two forces alone
     boxes, count = [whole], sum(1 for _ in law.g.parts())
     for _ in range(_MOST_BOXES):
         if not boxes:
@@ -192,25 +206,61 @@ def _curves_about(law: StatedLaw, c: _Box, box: _Box, found: _Found) -> bool:
     """Whether g keeps a sign in a part of the box, which is < 0 at c, or the boundary rises from c and curves towards it."""
     if (sign := found.value(law.g).sign) in (NEGATIVE, POSITIVE):
         return sign == NEGATIVE or any(c[x].high < box[x].low or c[x].low > box[x].high for x in c)
-    p, q, pp, pq, qq = found.of(law.g)
-    x, y = (box[name].plus(c[name].minus()) for name in law.forces)
-    bend = _plus(_plus(_times(pp, q.power(2)), _times(qq, p.power(2))), _times(_TWO, _times(pq, _times(p, q))).minus())
-    return _plus(_times(x, p), _times(y, q)).sign == POSITIVE == bend.sign
+    n, jet = len(law.forces), found.of(law.g)
+    away = [box[x].plus(c[x].minus()) for x in law.forces]
+    return reduce(_plus, map(_times, away, jet[:n])).sign == POSITIVE and _curves(jet[:n], dict(zip(_pairs(n), jet[n:], strict=True)))
 
 
-def _has_a_slope(law: StatedLaw, box: _Box, found: _Found) -> bool:
-    """Whether g keeps a sign in a part of the box, or one of its two slopes does."""
+def _curves(slopes: Sequence[Enclosure], bends: Mapping[tuple[int, int], Enclosure]) -> bool:
+    """Whether v . H v > 0 for all v != 0 along the boundary: H is positive definite in the t_i, of which there are two at most."""
+    k = max(range(len(slopes)), key=lambda i: max(slopes[i].low, -slopes[i].high))
+    across = [i for i in range(len(slopes)) if i != k]
+
+    def bend(i: int, j: int) -> Enclosure:
+        """t_i . H t_j."""
+        mixed = _plus(_times(slopes[i], bends[min(k, j), max(k, j)]), _times(slopes[j], bends[min(k, i), max(k, i)]))
+        square = slopes[i].power(2) if i == j else _times(slopes[i], slopes[j])
+        own = _plus(_times(slopes[k].power(2), bends[i, j]), _times(square, bends[k, k]))
+        return _plus(own, _times(slopes[k], mixed).minus())
+
+    if len(across) < 2:
+        return all(bend(i, i).sign == POSITIVE for i in across)
+    (i, j), one = across, bend(across[0], across[0])
+    minor = _plus(_times(one, bend(j, j)), bend(i, j).power(2).minus())
+    return not slopes[k].sign & ZERO and one.sign == POSITIVE == minor.sign
+
+
+def _has_a_slope(law: StatedLaw, _: _Box, found: _Found) -> bool:
+    """Whether g keeps a sign in a part of the box, or one of its slopes does."""
     if found.value(law.g).sign in (NEGATIVE, POSITIVE):  # it may have no slopes there
         return True
-    p, q, *_ = found.of(law.g)
-    return not p.sign & q.sign & ZERO
+    return any(not slope.sign & ZERO for slope in found.of(law.g)[: len(law.forces)])
+
+
+def _dissipates(law: StatedLaw, power: Term, choices: Sequence[Term], box: _Box, found: _Found) -> bool:
+    """Whether g keeps a sign in a part of the box, or the power is >= 0, and > 0 if the law is associated: then grad g is not 0."""
+    if found.value(law.g).sign in (NEGATIVE, POSITIVE):
+        return True
+    own = _Derivatives(law.forces, box)
+    for choice in choices:
+        own.chosen(choice)
+    sign = own.value(power).sign
+    return sign == POSITIVE if law.associated else not sign & NEGATIVE
+
+
+@cache
+def _pairs(n: int) -> list[tuple[int, int]]:
+    """All pairs of n forces, in the order of second derivatives."""
+    return [*combinations_with_replacement(range(n), 2)]
 
 
 class _Derivatives:
     """Those of the parts of a formula in a box; ValueError or ZeroDivisionError where a part may have none, or is of no known word."""
 
     def __init__(self, forces: Sequence[str], box: _Box) -> None:
-        self.forces, self.box, self.axes = {*forces}, box, dict(zip(forces, ((_ONE, *_STILL[1:]), (_ZERO, _ONE, *_STILL[2:])), strict=True))
+        n = len(forces)
+        self.still: _Jet = (_ZERO,) * (n + len(_pairs(n)))
+        self.forces, self.box = [*forces], box
         self.values, self.found = dict[Term, Enclosure](), dict[Term, _Jet]()
 
     def value(self, term: Term) -> Enclosure:
@@ -218,39 +268,67 @@ class _Derivatives:
 
     def of(self, term: Term) -> _Jet:
         if term not in self.found:
-            self.found[term] = self._jet(term) if term.names() & self.forces else _STILL
+            self.found[term] = self._jet(term) if term.names() & {*self.forces} else self.still
         return self.found[term]
 
     def _jet(self, term: Term) -> _Jet:
         x = term.args[0] if term.args else term
         match term.op:
             case "name":
-                return self.axes[term.name]
+                own = self.forces.index(term.name)
+                return (*self.still[:own], _ONE, *self.still[own + 1 :])
             case "+":
                 return tuple(reduce(_plus, ends) for ends in zip(*map(self.of, term.args), strict=True))
             case "*":
-                still = reduce(Enclosure.times, (self.value(a) for a in term.args if self.of(a) is _STILL), _ONE)
-                moving = ((self.value(a), self.of(a)) for a in term.args if self.of(a) is not _STILL)
-                return tuple(_times(still, d) for d in reduce(_multiplied, moving)[1])
+                still = reduce(Enclosure.times, (self.value(a) for a in term.args if self.of(a) is self.still), _ONE)
+                moving = ((self.value(a), self.of(a)) for a in term.args if self.of(a) is not self.still)
+                return tuple(_times(still, d) for d in reduce(self._multiplied, moving)[1])
             case "log" if x.op == "+" and len(x.args) == 2 and x.args[0] == number(1) and x.args[1].op == "exp":
                 return self._chained(_SOFTPLUS, x.args[1].args[0], {_SOFTPLUS.args[0].args[1]: self.value(x.args[1])})
-            case "**" if not (e := term.args[1]).names() & self.forces:
+            case "**" if not (e := term.args[1]).names() & {*self.forces}:
                 with suppress(NotWritten):
                     return self._chained(Term("**", (_X, number(exact_value(e)))), x, {})
                 return self._chained(Term("**", (_X, _E)), x, {}, self.value(e))
-            case "abs" if not self.value(x).sign & ZERO:
-                return tuple(d if self.value(x).low > 0 else d.minus() for d in self.of(x))
+            case "norm":
+                return self.of(Term("**", (sum_of(*(product_of(a, a) for a in term.args)), number(Fraction(1, 2)))))
+            case "abs" | "pos" | "neg" if (sign := self.value(x).sign) in (NEGATIVE, POSITIVE):
+                if (term.op, sign) in (("pos", NEGATIVE), ("neg", POSITIVE)):
+                    return self.still
+                return self.of(x) if sign == POSITIVE else tuple(d.minus() for d in self.of(x))
+            case "max" | "min" | "where":
+                return self.of(self.chosen(term))
             case op if op in _SMOOTH:
                 return self._chained(Term(op, (_X,)), x, {})
         raise ValueError(f"no derivative of {term.op}")
+
+    def chosen(self, term: Term) -> Term:
+        """The formula that a choice is in all of the box; ValueError where it may be another too."""
+        if term.op == "where":
+            one, other = term.args[0].args
+            gap = self.value(one).plus(self.value(other).minus()).sign
+            if gap not in (NEGATIVE, POSITIVE):
+                raise ValueError("a choice goes both ways")
+            return term.args[1 if (gap == NEGATIVE) == (term.args[0].op in ("<", "<=")) else 2]
+        ends = {a: self.value(a) if term.op == "max" else self.value(a).minus() for a in term.args}
+        first = max(term.args, key=lambda a: ends[a].low)
+        if any(ends[a].high >= ends[first].low for a in term.args if a != first):
+            raise ValueError("another may be the greatest")
+        return first
 
     def _chained(self, outer: Term, inner: Term, done: dict[Term, Enclosure], exponent: Enclosure = _ONE) -> _Jet:
         """Of ``outer`` in x with the value of ``inner`` for x; what is ``done`` was enclosed before."""
         box = {_X.name: self.value(inner), _E.name: exponent}
         d, dd = (enclosed(each, box, done=done) for each in _derived(outer))
-        p, q, *bends = self.of(inner)
-        squares = (p.power(2), _times(p, q), q.power(2))
-        return (_times(d, p), _times(d, q), *(_plus(_times(d, b), _times(dd, s)) for b, s in zip(bends, squares, strict=True)))
+        n, jet = len(self.forces), self.of(inner)
+        squares = (jet[i].power(2) if i == j else _times(jet[i], jet[j]) for i, j in _pairs(n))
+        return (*(_times(d, p) for p in jet[:n]), *(_plus(_times(d, b), _times(dd, s)) for b, s in zip(jet[n:], squares, strict=True)))
+
+    def _multiplied(self, one: tuple[Enclosure, _Jet], other: tuple[Enclosure, _Jet]) -> tuple[Enclosure, _Jet]:
+        """The product of two values with their derivatives."""
+        (f, df), (g, dg), n = one, other, len(self.forces)
+        across = (_plus(_times(df[i], dg[j]), _times(df[j], dg[i])) for i, j in _pairs(n))
+        jet = (_plus(_plus(_times(g, x), _times(f, y)), z) for x, y, z in zip(df, dg, ((_ZERO,) * n + (*across,)), strict=True))
+        return f.times(g), tuple(jet)
 
 
 @cache
@@ -260,14 +338,6 @@ def _derived(outer: Term) -> tuple[Term, Term]:
         return parse("1 - 1/(1 + exp(x))"), parse("1/4 - (1/2 - 1/(1 + exp(x)))**2")
     (first,) = gradient(outer, (_X.name,))
     return first, gradient(first, (_X.name,))[0]
-
-
-def _multiplied(one: tuple[Enclosure, _Jet], other: tuple[Enclosure, _Jet]) -> tuple[Enclosure, _Jet]:
-    """The product of two values with their derivatives."""
-    (f, (p, q, *_)), (g, (r, s, *_)) = one, other
-    across = (_ZERO, _ZERO, _times(_TWO, _times(p, r)), _plus(_times(p, s), _times(q, r)), _times(_TWO, _times(q, s)))
-    jet = tuple(_plus(_plus(_times(g, x), _times(f, y)), z) for x, y, z in zip(one[1], other[1], across, strict=True))
-    return f.times(g), jet
 
 
 def _plus(x: Enclosure, y: Enclosure) -> Enclosure:

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 from duhem.proof.kernel import boundary, obligations, state
 from duhem.proof.kernel import homogeneity as degrees
 from duhem.proof.kernel.bounds import Facts
-from duhem.proof.kernel.boxes import convex_in_its_box, smooth_in_its_box
+from duhem.proof.kernel.boxes import convex_in_its_box, dissipates_in_its_box, smooth_in_its_box
 from duhem.proof.kernel.curvature import over, within_ranges
 from duhem.proof.kernel.curve import Stated, StatedCurve
 from duhem.proof.kernel.definedness import Reader, divides_by_zero_force, undecided_beside
@@ -55,10 +55,9 @@ _OF_THE_STATE = ("state_laws", "thermal")  # the claims that are about neither K
 _MORE: Mapping[str, Callable[[StatedLaw], str]] = {"origin": state.potential_least_at_zero, "dissipation": state.stored_and_rates}
 _RULES_OF_RATES = ("resistance", "monotone-resistance")  # those of laws whose forces are functions of the rates
 _MOST_CASES = 4  # choices one after another
+_IN_BOXES = ("curvature-in-a-box", "slope-in-a-box", "power-in-a-box")  # by the ranges of the forces, wherever these are
 # they look at a part once
-_OF_GRAPHS = (
-    "evaluation", "composition", "curvature-in-a-box", "slope-in-a-box", "normality-rule", "fenchel", "by-construction", "conductances",
-)  # fmt: skip
+_OF_GRAPHS = ("evaluation", "composition", *_IN_BOXES, "normality-rule", "fenchel", "by-construction", "conductances")
 
 
 def objection(claim: str, rule: str, settled: frozenset[str], law: Stated, evidence: Evidence, as_written: bool | None = None) -> str:
@@ -75,6 +74,10 @@ def objection(claim: str, rule: str, settled: frozenset[str], law: Stated, evide
     if _large(law) and rule not in _OF_GRAPHS:
         return f"g is too large for the rule {rule!r}"
     row = rules[claim, rule]
+    if (
+        isinstance(law, StatedLaw) and not law.around_zero and rule not in _IN_BOXES
+    ):  # others rest on zero force, or look along rays from it
+        law = law.once(StatedLaw.everywhere)
     if not row.needed <= settled:
         return f"it rests on {', '.join(sorted(row.needed - settled))}, not confirmed"
     try:
@@ -456,12 +459,11 @@ RULES: Mapping[tuple[str, str], RuleRow] = {
     ("convexity", "curvature-in-a-box"): RuleRow(
         _NONE, lambda law, _: law.once(convex_in_its_box), obligations.nothing,
         "K is star-shaped about a point and its boundary curves inward, by enclosures in parts of the ranges of the forces "
-        "(Tietze 1928, Nakajima 1928; Moore 1966)", True, most_forces=2,
+        "(Tietze 1928, Nakajima 1928; Moore 1966)", True,
     ),
     ("smoothness", "slope-in-a-box"): RuleRow(
         _NONE, lambda law, _: law.once(smooth_in_its_box), obligations.nothing,
         "grad g is continuous and not 0 wherever g = 0, by enclosures in parts of the ranges of the forces (Moore 1966)", True,
-        most_forces=2,
     ),
     ("smoothness", "composition"): RuleRow(
         _NONE, smoothness, obligations.formula_where_loads_allow,
@@ -519,6 +521,10 @@ RULES: Mapping[tuple[str, str], RuleRow] = {
     ("dissipation", "convex-potential"): RuleRow(
         _NONE, convex_potential, obligations.formula_and_potential,
         "the potential h is convex and least at zero force, so force . flow >= h - h(0) >= 0 (Rockafellar 1970, section 23)",
+    ),
+    ("dissipation", "power-in-a-box"): RuleRow(
+        _NONE, lambda law, _: law.once(dissipates_in_its_box), obligations.nothing,
+        "force . slip >= 0 wherever g = 0, by enclosures in parts of the ranges of the forces (Moore 1966)", True,
     ),
     ("dissipation", "boundary-power"): RuleRow(_NONE, power, obligations.formula_and_flow, "force . flow >= 0 wherever g = 0"),
     ("dissipation", "power-share"): RuleRow(

@@ -335,6 +335,8 @@ def recheck_tree(document: Mapping[str, Any]) -> tuple[TreeLeaf, ...]:
             raise NotWritten("its parameters are none of the law")
         if {*names} & {variable for variable, _ in law.variables}:
             raise NotWritten("a parameter is a variable of the state")
+        if not law.around_zero:
+            raise NotWritten("zero force is outside the ranges of the forces")
         return tuple(_leaves(law, claim, names, as_object(document["tree"])))
     except UNREADABLE as fault:
         raise NotWritten(f"{'' if isinstance(fault, NotWritten) else 'it is no certificate: '}{in_words(fault)}") from None

@@ -206,6 +206,15 @@ class StatedLaw(_Stated):
         """Whether the slip is normal to K by definition."""
         return self.flow is None and self.power is None and all(flow is None for _, flow in self.surfaces)
 
+    @property
+    def around_zero(self) -> bool:
+        """Whether zero force lies in the ranges."""
+        return all(own.holds(Fraction(0)) for name, own in self.ranges if name != self.pressure)
+
+    def everywhere(self) -> StatedLaw:
+        """The law for all forces: what is shown of its K, and of each point, is so of the part in the ranges, which are convex."""
+        return self._replace(ranges=tuple((name, own) for name, own in self.ranges if name == self.pressure))
+
     def faces(self) -> Iterator[StatedFace]:
         """What covers the boundary: all of it, or the share of each surface where one of them has a flow of its own."""
         if self.associated or not self.surfaces:
@@ -294,15 +303,15 @@ def _variable(entry: Any) -> StatedVariable:
 
 
 def _ranges(given: Mapping[str, Any], forces: Sequence[str], pressure: str | None) -> tuple[tuple[str, Bounds], ...]:
-    """Where the pressure and forces lie; NotWritten where that leaves no pressure < 0, or a force no 0."""
+    """Where the pressure and forces lie; NotWritten where that leaves no pressure < 0, or a force one value."""
     found = {name: Bounds.read(entry) for name, entry in given.items()}
     for name, own in found.items():
         if name == pressure:
             found[name] = own = own.below(Fraction(0), True)
             if own.low is not None and own.high is not None and not (own.low < own.high or own.holds(own.high)):
                 raise NotWritten("no pressure is left")
-        elif name not in forces or not own.holds(Fraction(0)):
-            raise NotWritten("a range is of no force, or without 0")
+        elif name not in forces or own.single or own.open or own.open_high:
+            raise NotWritten("a range is of no force, or is one value, or lacks an end")
     return tuple(found.items())
 
 

@@ -31,9 +31,9 @@ from duhem.proof.verdict import Evidence, Proof, Verdict
 
 __all__ = [
     "convexity_by_branches", "convexity_by_sums", "convexity_in_a_box", "convexity_on_boundary", "dissipation_by_identities",
-    "dissipation_by_shares", "dissipation_of_potential", "dissipation_on_boundary", "duality", "normality_parallel", "origin_by_signs",
-    "smoothness_by_identities", "smoothness_by_sums", "smoothness_in_a_box", "smoothness_on_boundary", "state_laws_not_stated",
-    "without_heat",
+    "dissipation_by_shares", "dissipation_in_a_box", "dissipation_of_potential", "dissipation_on_boundary", "duality", "normality_parallel",
+    "origin_by_signs", "smoothness_by_identities", "smoothness_by_sums", "smoothness_in_a_box", "smoothness_on_boundary",
+    "state_laws_not_stated", "without_heat",
 ]  # fmt: skip
 
 Terms = Mapping[sp.Expr, sp.Expr]  # what depends on the forces, and its coefficient
@@ -88,10 +88,15 @@ def smoothness_in_a_box(subject: FormulaSubject | GraphSubject) -> Iterator[Evid
     return _in_a_box(subject, "slope-in-a-box", "grad g is continuous and not 0 where g = 0")
 
 
+def dissipation_in_a_box(subject: FormulaSubject | GraphSubject) -> Iterator[Evidence]:
+    """In each part of the ranges of the forces in which g may be 0 the slip dissipates.  It is too dear for the effort ``quick``."""
+    return _in_a_box(subject, "power-in-a-box", "force . slip >= 0 where g = 0")
+
+
 def _in_a_box(subject: FormulaSubject | GraphSubject, rule: str, shown: str) -> Iterator[Evidence]:
-    """What a rule may show by enclosures of two forces that have ranges with both ends."""
+    """What a rule may show by enclosures of forces, three at most, that have ranges with both ends."""
     ranges = [subject.law.domain.get(x, REAL) for x in subject.law.forces]
-    if subject.effort >= 1 and len(ranges) == 2 and all(own.low is not None and own.high is not None for own in ranges):
+    if subject.effort >= 1 and len(ranges) <= 3 and all(own.low is not None and own.high is not None for own in ranges):
         yield _offered(rule, f"{shown}, by enclosures in parts of the ranges of the forces", {})
 
 

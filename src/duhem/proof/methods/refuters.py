@@ -19,12 +19,13 @@ import sympy as sp
 from duhem.expression.abbreviations import names_in
 from duhem.expression.number import DECIMAL, fraction, rational
 from duhem.law.domain import POSITIVE
+from duhem.law.formula_law import Criterion
 from duhem.proof.decide import Sense
 from duhem.proof.facts.formula_subject import FormulaSubject, RateSubject
 from duhem.proof.facts.graph_subject import GraphSubject
 from duhem.proof.facts.plane_section import PlaneSection
 from duhem.proof.facts.special_places import undefined_at_zero
-from duhem.proof.facts.subject import Point, Values
+from duhem.proof.facts.subject import Point, Subject, Values
 from duhem.proof.in_state import Spent, epigraph, heat_in_states, spent_by_rates, spent_in_states, two_forces
 from duhem.proof.verdict import Evidence, Verdict, Witness
 from duhem.proof.witness.corners import corner, sharp_point
@@ -54,7 +55,7 @@ __all__ = [
     "convexity_by_thorough_scouting", "convexity_of_graph", "convexity_of_graph_left_open", "dissipation_at_points",
     "dissipation_by_sampling", "dissipation_in_states", "dissipation_of_rates", "duality_of_graph_left_out", "energy_at_bends",
     "energy_in_temperature", "energy_of_two_forces", "heat_uphill", "normality_at_chord", "normality_at_points", "normality_by_sampling",
-    "normality_of_rates", "origin_at_parameters", "origin_of_graph", "origin_undefined", "smoothness_at_corners",
+    "normality_of_rates", "origin_at_parameters", "origin_of_graph", "origin_out_of_range", "origin_undefined", "smoothness_at_corners",
     "smoothness_at_sharp_points", "without_k",
 ]  # fmt: skip
 
@@ -98,6 +99,13 @@ def origin_at_parameters(subject: FormulaSubject) -> Evidence | None:
     hints = [hint] if hint else highest_at_zero(subject)
     found = (origin_outside(subject, parameters) for parameters in subject.choices(40, hints))
     return Evidence.refuted_by(found, "witness-point", _of_k(subject, "zero force is outside K"))
+
+
+def origin_out_of_range(subject: Subject) -> Evidence | None:
+    """Answer that the claim does not apply where the ranges of the forces leave out zero force."""
+    if not isinstance(subject.law, Criterion) or subject.law.around_zero:
+        return None
+    return Evidence(Verdict.NOT_APPLICABLE, "none", "zero force is outside the ranges of the forces in which the claims are asked")
 
 
 def origin_undefined(subject: FormulaSubject) -> Evidence | None:

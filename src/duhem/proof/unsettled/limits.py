@@ -18,7 +18,6 @@ from numpy.typing import NDArray
 from duhem.expression.numpy_ import Program, compiled
 from duhem.law.domain import REAL
 from duhem.proof.facts.formula_subject import FormulaSubject
-from duhem.proof.facts.subject import Values
 from duhem.proof.kernel.constant_value import exact_value
 from duhem.proof.kernel.curvature import within_ranges
 from duhem.proof.kernel.definedness import Reader, rarely_zero
@@ -27,6 +26,7 @@ from duhem.proof.kernel.identity import multiplied_out
 from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.kernel.term import NotWritten, Term, factors, number, product_of, sum_of
 from duhem.proof.search.boundary_points import scouts
+from duhem.proof.unsettled.ranges import others_at
 from duhem.proof.unsettled.term_text import Names, in_text
 
 __all__ = ["keeps_k", "named_around", "same_points", "short", "split", "times", "with_values"]
@@ -152,7 +152,7 @@ def keeps_k(subject: FormulaSubject, g: str) -> bool:
     places = np.concatenate([equal, drawn, 30 * drawn])
     divisors = [compiled(x, law.symbols().values()) for x in _divisors(law.g) if x.free_symbols & set(law.force_symbols())]
     for parameters in islice(subject.choices(_CHOICES), _CHOICES):
-        others = _others(subject, parameters)
+        others = others_at(subject, parameters)
         at_zero = [z for divisor in divisors for z in _where_zero(divisor, drawn, others) if (low <= z).all() and (z <= high).all()]
         for z in (*(z for z in np.clip(places, low, high) if not np.isfinite(old(*z, *others))), *at_zero):
             here = float(new(*z, *others))
@@ -178,7 +178,7 @@ def same_points(subject: FormulaSubject, g: str) -> int:
     for scout in scouts(subject, 2 * _CHOICES):
         near = [scale * scout.boundary for scale in _SCALES] if scout.boundary.shape[1] == len(low) else []
         points = np.clip(np.concatenate([drawn, *near]), low, high)
-        one, two = (np.broadcast_to(run(*points.T, *_others(subject, scout.parameters)), len(points)) for run in (old, new))
+        one, two = (np.broadcast_to(run(*points.T, *others_at(subject, scout.parameters)), len(points)) for run in (old, new))
         sizes, far = np.sort(np.abs([one, two]), axis=0), 1 + np.abs(points).max(axis=1)
         clear = ~(sizes[0] <= _ROUNDING * far) | (sizes[1] > _SAME * far)  # both are close to 0 at the boundary
         if np.any((one <= 0)[clear] != (two <= 0)[clear]):
@@ -193,11 +193,6 @@ def _both(subject: FormulaSubject, g: str) -> tuple[Program, Program, NDArray[np
     old, new = (compiled(x.g, law.symbols().values()) for x in (law, replace(law, g=g, written="", surfaces=())))
     low, high = np.array([law.domain.get(name, REAL).ends for name in law.forces]).T
     return old, new, low, high
-
-
-def _others(subject: FormulaSubject, parameters: Values) -> list[float]:
-    known = subject.named(subject.values_at(parameters, subject.nowhere))
-    return [float(known[name]) for name in [*subject.law.symbols()][len(subject.law.forces) :]]
 
 
 def _divisors(g: sp.Expr) -> list[sp.Expr]:

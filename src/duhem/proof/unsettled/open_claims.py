@@ -13,8 +13,6 @@ from functools import partial
 from itertools import chain, islice
 from typing import Any, NamedTuple
 
-import numpy as np
-
 from duhem.errors import InputError
 from duhem.expression.text import formula
 from duhem.law.curve_law import Law
@@ -29,11 +27,11 @@ from duhem.proof.facts.subject import Subject
 from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.kernel.steps import TooDearError, within
 from duhem.proof.kernel.term import UNREADABLE, parse
-from duhem.proof.search.boundary_points import scouts
 from duhem.proof.search.margins import least_margin
 from duhem.proof.unsettled.blocked import Blocked, blocked, required
 from duhem.proof.unsettled.forms import other_forms
 from duhem.proof.unsettled.limits import keeps_k, named_around, same_points, with_values
+from duhem.proof.unsettled.ranges import Ranges, around_the_boundary, boundary
 from duhem.proof.unsettled.term_text import Names, in_text, names_of
 from duhem.proof.unsettled.trials import Attempts, Rewriting, that_help
 from duhem.proof.verdict import CONTRADICTION, Evidence, Unsettled, Verdict
@@ -220,21 +218,15 @@ def _has_k(asked: _OpenClaim, values: Mapping[str, Any]) -> bool:
     if known or not isinstance(law, Criterion) or law.forces_of_rates or law.viscous:
         return True
     with suppress(InputError):
-        return any(len(found.boundary) for found in scouts(FormulaSubject(law.fix(values)), 1))
+        return len(boundary(FormulaSubject(law.fix(values)))) > 0
     return False
 
 
-def _ranges(asked: _OpenClaim, values: Mapping[str, Any]) -> dict[str, Any]:
-    """Ranges of both forces of a law of two, twice as wide as most of the boundary that is found in floats at some values."""
-    law, found = asked.law, dict[str, Any]()
-    if isinstance(law, Criterion) and "g" in asked.text and (law.pressure, len(law.forces)) == (None, 2):
+def _ranges(asked: _OpenClaim, values: Mapping[str, Any]) -> Iterator[Ranges]:
+    """Ranges of the forces around the boundary at some values of the parameters."""
+    if isinstance(asked.law, Criterion) and "g" in asked.text and not (asked.law.forces_of_rates or asked.law.viscous):
         with suppress(InputError):
-            near = [x for one in scouts(FormulaSubject(law.fix(values)), _CHOICES) for x in one.boundary]
-            for name, (low, high) in zip(law.forces, np.quantile(near, (0.05, 0.95), axis=0).T if near else (), strict=False):
-                ends = {end: f"{float(f'{x:.2g}'):g}" for end, x in (("min", 1.5 * low - 0.5 * high), ("max", 1.5 * high - 0.5 * low))}
-                own = asked.text.get("domain", {}).get(name, {})
-                found[name] = ends | {end: x for end, x in own.items() if x is not None}
-    return found
+            yield from around_the_boundary(FormulaSubject(asked.law.fix(values)))
 
 
 def _everything(asked: _OpenClaim, decide: DecideLaw | None) -> Callable[[str, Mapping[str, Any], Budget], Verdict | None] | None:

@@ -10,7 +10,8 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
 from fractions import Fraction
-from itertools import islice, product
+from functools import partial
+from itertools import islice, product, takewhile
 from typing import Any, NamedTuple
 
 from duhem.proof.decide import Budget
@@ -31,15 +32,16 @@ Text = Mapping[str, Any]  # a law as the kernel reads it
 Choice = Mapping[str, Fraction]
 Choices = Callable[[Iterable[Choice]], Iterable[Choice]]  # those of some at which K is not empty, and more
 Decide = Callable[[str, Text, Budget], Verdict | None]  # the verdict on a claim of a changed law; None where it is open
-_IN_ALL, _SHARE = 5_000_000, 2  # steps for all claims of a law; one claim may use 1/_SHARE of what is left
-_A_SHARE = 100  # of a range by which K is moved
-_A_TRIAL, _A_KIND, _A_DECISION, _IN_A_BOX, _READING = 200_000, 400_000, 250_000, 1_000_000, 5_000  # steps; for reading a law
+_IN_ALL, _SHARE = 6_000_000, 3  # steps for all claims of a law; one claim may use 1/_SHARE of what is left
+_A_TRIAL, _A_KIND, _A_DECISION, _READING = 200_000, 400_000, 250_000, 5_000  # steps; for reading a law
 _BEFORE = ("origin", "convexity", "smoothness", "normality", "dissipation", "state_laws", "homogeneity")
 _TOLD = _BEFORE[:5]  # those of which it is said that they are proved too
 _PLAIN = tuple(map(Fraction, ("1", "2", "1/2", "1/10", "3", "-1")))
 _TURNS, _MOST_CHOICES, _MOST_FIXED = 7, 6, 4  # of plain values; of those at which everything that decides is asked
 _MOST_DECIDED, _MOST_DUALS, _MOST_BOXED = 16, 3, 2  # times that everything is asked about one claim; choices tried in a box
 _LONGEST = 120  # letters of a constraint
+_CURVES = ("curvature-in-a-box",)
+_IN_BOXES = {"convexity": _CURVES, "normality": _CURVES, "smoothness": ("slope-in-a-box",), "dissipation": ("power-in-a-box",)}
 _MOST_FORCES = 3  # of a law that may be meant for one sign of a force
 _MOST_FORMS, _MOST_SINGLE, _MOST_SIGNS = 2, 2, 8  # beside g itself; of parameters that are 0; of constants whose sign is asked
 
@@ -69,13 +71,13 @@ class Attempts:
 def that_help(
     claim: str, law: Text, settled: frozenset[str], blocked: Blocked | None, choices: Choices,
     forms: Callable[[], Sequence[Rewriting]] = tuple, decide: Decide | None = None, first: Sequence[Choice] = (),
-    tried: Attempts | None = None, ranges: Callable[[Choice], Text] = lambda _: {},
+    tried: Attempts | None = None, ranges: Callable[[Choice], Iterable[Text]] = lambda _: (),
 ) -> list[str]:  # fmt: skip
     """What to do, so that the claim is settled: one action a kind, each seen to help.
 
     ``choices`` gives values of the free parameters at which it is tried, and of plain ones those at which K is not empty, for of an
     empty K much is proved.  ``forms`` are other forms of g with the same K.  At the values that are tried ``first`` the claim may fail.
-    ``ranges`` gives ranges of two forces around the boundary that is found at some values, or nothing.
+    ``ranges`` gives ranges of the forces around the boundary that is found at some values, the widest first.
     """
     asked = _Asked(claim, law, settled, decide, tried or Attempts())
     refuted = [_said("", choice, Verdict.REFUTED) for choice in first if asked.decided(_with(law, choice)) is Verdict.REFUTED]
@@ -101,8 +103,10 @@ def that_help(
     alone = () if any(form.at_tip for form in forms()) or not known or claim == "duality" else sorted(known[0])
     moved = _moved(law, part) if claim == "smoothness" and "g" in law else ()  # nothing else of a moved K is true of K itself
     beside = (told for told, changed in moved if asked(changed))
-    found = _narrowed(law, alone, known, {}, asked) or [*islice(beside, 1)] or _boxed(law, part, known, ranges, asked)
-    return found or _settling(law, forms(), part, known, choices, asked)
+    if found := _narrowed(law, alone, known, {}, asked) or [*islice(beside, 1)]:
+        return found
+    boxed = _boxed(law, known[:_MOST_BOXED] or ({},), ranges, asked)  # before what takes most steps
+    return _settling(law, forms(), part, known, choices, asked) or boxed
 
 
 class _Asked:
@@ -140,8 +144,8 @@ class _Asked:
         known |= self.settled if law.get("g") == self.g else self.settled & {"origin"}  # other forms of g have the same K
         if claim in known or claim in answers or self.steps < 0 or self.tried.steps <= self.kept:
             return claim in known
-        alone = bool(rules) and claim == "smoothness"  # which rests on nothing else then, and takes fewer steps
-        with within(_IN_A_BOX if rules and not alone else _A_TRIAL) as purse, suppress(*UNREADABLE, TooDearError):
+        alone = bool(rules) and claim in ("smoothness", "dissipation")  # which rest on nothing else then, and take fewer steps
+        with within(_A_TRIAL) as purse, suppress(*UNREADABLE, TooDearError):
             read, needed = stated(law), {claim}
             for name in reversed(() if alone else _BEFORE):
                 needed |= needs_of(name, read) if name in needed else set()
@@ -211,24 +215,18 @@ def _ranges(law: Text, blocked: Blocked, _: Choices) -> Iterator[tuple[str, Text
             yield action, {**law, "domain": {**ranges, force: {end: "0"}}}
 
 
-def _moved(law: Text, part: frozenset[str], box: Text | None = None) -> Iterator[tuple[str, Text]]:
-    """Yield K moved along a load of a part by a parameter > 0: what is smooth then is so wherever the load is not 0.
-
-    In a ``box`` of ranges it is moved by a small value.
-    """
-    g, ranges = parse(law["g"]), box or law.get("domain", {})
+def _moved(law: Text, part: frozenset[str]) -> Iterator[tuple[str, Text]]:
+    """Yield K moved along a load of a part by a parameter > 0: what is smooth then is so wherever the load is not 0."""
+    g, ranges = parse(law["g"]), law.get("domain", {})
     for force, (side, sign) in product(sorted(part & {*law["forces"]}), (("min", "+"), ("max", "-"))):
         x, end, own = Term("name", name=force), Term("name", name=f"{force}_end"), ranges.get(force, {"min": "0"})
         if str(own.get(side)) == "0" and end.name not in law["parameters"]:
-            size = max(abs(Fraction(value)) for value in own.values()) / _A_SHARE if box else None
             moved = in_text(g.put({x: sum_of(x, end if sign == "+" else minus(end))}), {})
-            told = f"write {force} {sign} {end.name} for {force}, with the parameter {end.name} = "
-            told += f"{{ value = {_in_a_file(size)} }}" if box else "{ positive = true }"
+            told = f"write {force} {sign} {end.name} for {force}, with the parameter {end.name} = {{ positive = true }}"
             told += "" if force in ranges else f" and {force} = {{ min = 0 }} in the section [domain]"
-            declared = {**law["parameters"], end.name: {"value": f"{size}"} if box else {"positive": True}}
-            where = f"farther from 0 than {size}, in these ranges" if box else "not 0"
+            declared = {**law["parameters"], end.name: {"positive": True}}
             changed = {**law, "g": moved, "parameters": declared, "domain": {**ranges, force: own}}
-            yield f"{told}: what is proved then is so of K wherever {force} is {where}", changed
+            yield f"{told}: what is proved then is so of K wherever {force} is not 0", changed
 
 
 def _settling(
@@ -247,25 +245,25 @@ def _settling(
     return []
 
 
-def _boxed(law: Text, part: frozenset[str], known: Sequence[Choice], ranges: Callable[[Choice], Text], asked: _Asked) -> list[str]:
-    """Ranges of both forces in which enclosures show the claim, at all values of the parameters or at plain ones.
+def _boxed(law: Text, known: Sequence[Choice], ranges: Callable[[Choice], Iterable[Text]], asked: _Asked) -> list[str]:
+    """Ranges of the forces in which enclosures show the claim, the widest, with some values of the parameters, the fewest that will do.
 
-    K is smooth there, or is so away from a tip, with as few of these values as may be.
+    The narrowest are asked first, as these cost least.
     """
-    smooth, rules = asked.claim == "smoothness", ("curvature-in-a-box", "slope-in-a-box")
-    for values in ({}, *known[:_MOST_BOXED]) if asked.claim in ("convexity", "smoothness", "normality", "dissipation") else ():
-        box, asked.steps = ranges(values), _A_KIND
-        for told, base in (("", law), *(_moved(law, part, box) if smooth else ())) if box else ():
-            if not asked(boxed := {**_with(base, values), "domain": box}, rules=rules):
-                continue
-            for x in values if smooth else ():
-                fewer = {name: value for name, value in values.items() if name != x}
-                if asked(freed := {**_with(base, fewer), "domain": box}, rules=rules):
-                    values, boxed = fewer, freed
-            near = " and ".join(f"{x} = {{ min = {_in_a_file(own['min'])}, max = {_in_a_file(own['max'])} }}" for x, own in box.items())
-            said = f"ask for forces near K alone: {near} in the section [domain]"
-            said = " and ".join(filter(None, (said, settings(values), told)))
-            return [said if told else asked.keep(said, boxed)]
+    for values in known if asked.claim in _IN_BOXES else ():
+        asked.steps, rules = _A_KIND, _IN_BOXES[asked.claim]
+        texts = ({**_with(law, values), "domain": box} for box in reversed([*ranges(values)]))
+        if not (shown := [*takewhile(partial(asked, rules=rules), texts)]):
+            continue
+        boxed, asked.steps = shown[-1], _A_KIND
+        for x in values:
+            fewer = {name: value for name, value in values.items() if name != x}
+            if asked(freed := {**_with(law, fewer), "domain": boxed["domain"]}, rules=rules):
+                values, boxed = fewer, freed
+        ends = boxed["domain"].items()
+        near = " and ".join(f"{x} = {{ min = {_in_a_file(own['min'])}, max = {_in_a_file(own['max'])} }}" for x, own in ends)
+        told = f"ask for forces near K alone: {near} in the section [domain]"
+        return [asked.keep(" and ".join(filter(None, (told, settings(values)))), boxed)]
     return []
 
 

@@ -1,0 +1,95 @@
+"""Ranges of the forces around the boundary of K, or around a part of it: where less is claimed, enclosures may show it.
+
+Where the boundary lies is found in floats.  Nothing of that is certain, and nothing needs to be: the kernel is asked about the ranges.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from itertools import islice
+
+import numpy as np
+from numpy.typing import NDArray
+
+from duhem.expression.numpy_ import Program, compiled
+from duhem.law.domain import REAL
+from duhem.proof.facts.formula_subject import FormulaSubject
+from duhem.proof.facts.subject import Values
+
+__all__ = ["Ranges", "around_the_boundary", "boundary", "others_at"]
+
+Ranges = dict[str, dict[str, str]]  # the ends of each force and of the pressure, as a criterion file has them
+_MOST_FORCES = 3  # that the kernel's boxes have
+_CHOICES, _MANY, _PAIRS, _HALVINGS = 3, 4000, 600, 60  # of parameters; places; of one inside and one outside; of the way between them
+_MOST, _WIDER, _AWAY, _SAME_SIZE = (0.02, 0.98), 0.2, 0.1, 3.0  # of the points; ranges beyond them, and away from 0; sizes that count
+_PATCHES = (0.5, 0.2)  # around one point of the boundary, as shares of its components
+_PRESSURE = {"min": "-1.1", "max": "-0.9"}
+
+
+def around_the_boundary(subject: FormulaSubject) -> Iterator[Ranges]:
+    """Ranges that hold most of the boundary; those that keep away from 0; some around one point, where no two forces are equal, or 0."""
+    law = subject.law
+    points = boundary(subject) if len(law.forces) <= _MOST_FORCES else np.zeros((0, 0))
+    if not len(points):
+        return
+    sizes = np.linalg.norm(points, axis=1)
+    middle = np.median(sizes)
+    near = points[(sizes >= middle / _SAME_SIZE) & (sizes <= middle * _SAME_SIZE)]
+    least, most = np.quantile(near, _MOST, axis=0)
+    own = np.array([law.domain.get(name, REAL).ends for name in law.forces]).T
+    wider, size = _WIDER * (most - least), _AWAY * np.maximum(np.abs(least), np.abs(most))
+    ends = [np.clip((least - wider, most + wider), *own)]
+    one_sided = np.array([(least >= -size) & (most > size), (most <= size) & (least < -size)])
+    ends += [np.array([np.where(one_sided[0], np.maximum(least, size), least), np.where(one_sided[1], np.minimum(most, -size), most)])]
+    apart = np.abs(near[:, :, None] - near[:, None]) + np.abs(near)[:, :, None] * np.eye(near.shape[1])  # of principal stresses, too
+    centre = near[np.argmax(apart.min(axis=(1, 2)) / np.linalg.norm(near, axis=1))]
+    ends += [np.clip((centre - share * np.abs(centre), centre + share * np.abs(centre)), *own) for share in _PATCHES]
+    for low, high in ends:
+        found = {law.pressure: _PRESSURE} if law.pressure else {}
+        found |= {x: {"min": _short(a), "max": _short(b)} for x, a, b in zip(law.forces, low, high, strict=True)}
+        if all(float(side["min"]) < float(side["max"]) for side in found.values()):
+            yield found
+
+
+def _short(x: float) -> str:
+    return f"{float(f'{x:.2g}'):g}"
+
+
+@np.errstate(all="ignore")  # where a formula has no value it is nan, or infinite
+def boundary(subject: FormulaSubject) -> NDArray[np.float64]:
+    """Points of the boundary, of all sizes, between places inside and outside."""
+    law, rng = subject.law, np.random.default_rng(3)
+    run = compiled(law.g, law.symbols().values())
+    low, high = np.array([law.domain.get(name, REAL).ends for name in law.forces]).T
+    drawn = rng.standard_normal((_MANY, len(low))) * 10.0 ** rng.uniform(-3, 3, (_MANY, 1))
+    both, below, above = np.isfinite(low) & np.isfinite(high), np.isfinite(low), np.isfinite(high)
+    inside = low + rng.random(drawn.shape) * (high - low)
+    drawn = np.where(both, inside, np.where(below, low + np.abs(drawn), np.where(above, high - np.abs(drawn), drawn)))
+    drawn = drawn[np.argsort(np.linalg.norm(drawn, axis=1))]
+    chosen = islice(subject.choices(_CHOICES), _CHOICES)
+    return np.concatenate([drawn[:0], *(_between(run, drawn, others_at(subject, parameters), rng) for parameters in chosen)])
+
+
+def _between(run: Program, places: NDArray[np.float64], others: list[float], rng: np.random.Generator) -> NDArray[np.float64]:
+    """Where the boundary is crossed on the way from places inside to those outside, of about the same size."""
+
+    def value(x: NDArray[np.float64]) -> NDArray[np.float64]:
+        return np.broadcast_to(run(*x.T, *others), len(x))
+
+    here = value(places)
+    inside, outside = places[here <= 0], places[here > 0]
+    if not (len(inside) and len(outside)):
+        return places[:0]
+    share = rng.random(_PAIRS)
+    one, two = (side[(share * len(side)).astype(int)] for side in (inside, outside))
+    for _ in range(_HALVINGS):
+        middle = 0.5 * (one + two)
+        held = (value(middle) <= 0)[:, None]
+        one, two = np.where(held, middle, one), np.where(held, two, middle)
+    return two[np.isfinite(value(two))]
+
+
+def others_at(subject: FormulaSubject, parameters: Values) -> list[float]:
+    """The pressure and the parameters, in the order of the law."""
+    known = subject.named(subject.values_at(parameters, subject.nowhere))
+    return [float(known[name]) for name in [*subject.law.symbols()][len(subject.law.forces) :]]
