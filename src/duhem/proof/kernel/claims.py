@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import suppress
+from fractions import Fraction
 from typing import Any, NamedTuple
 
 from duhem.proof.kernel import boundary, obligations, state
@@ -255,11 +256,15 @@ def without_boundary(law: StatedLaw, _: Evidence) -> bool:
 
 
 def smoothness(law: StatedLaw, evidence: Evidence) -> bool:
-    """g is C^1 where g = 0, and has no minimum there: it is convex and somewhere negative; or K is convex and round at its ends."""
-    shape = _shape(law, evidence)
+    """g is C^1 where g = 0, and has no minimum there: it is convex and somewhere negative; or K is convex and round at its ends.
+
+    Convex it may be in the ranges of the forces alone, if zero force, at which it is negative, is in these.
+    """
+    within = within_ranges(law)
+    shapes = [_shape(law, evidence), *([within.facts(law.g)] if all(own.holds(Fraction(0)) for _, own in law.ranges) else [])]
     if not (_inside(law, evidence) or (not law.g.large and (boundary.falls_from_zero(law) or boundary.is_a_graph(law)))):
         return False
-    smooth = shape.defined and shape.convex and smooth_near_the_boundary(law.g, within_ranges(law))
+    smooth = any(shape.defined and shape.convex for shape in shapes) and smooth_near_the_boundary(law.g, within)
     return smooth or (not law.g.large and round_at_its_ends(law))
 
 
