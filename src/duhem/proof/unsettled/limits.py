@@ -5,7 +5,7 @@ Whether K stays what it was is looked at in floats, close to where the load is 0
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from fractions import Fraction
@@ -36,6 +36,7 @@ _CHOICES, _DRAWN, _MOVES = 2, 24, 30  # of parameters; of places, and around eac
 _NEAR, _TINY, _SAME, _ROUNDING = 1e-6, 1e-11, 1e-3, 1e-9
 _MANY, _SCALES = 4000, (0.9, 0.99, 0.999, 1.001, 1.01, 1.1)  # points of many sizes; times points of the boundary
 _ZERO, _ONE = number(0), number(1)
+_OF_DEGREE_ONE = ("abs", "norm", "pos", "neg", "max", "min")  # of what is multiplied by a size they are multiplied by it
 
 
 def with_values(read: StatedLaw, names: Names) -> Iterator[tuple[str, Term]]:
@@ -61,11 +62,33 @@ def with_values(read: StatedLaw, names: Names) -> Iterator[tuple[str, Term]]:
             told = " and ".join(f"{in_text(limit, names)} for {in_text(x, names)}" for x, limit in put) + ", if you mean 0 there"
             whole = f"{in_text(g, names)} for g, which is {in_text(_raised(size, power), names)} times g"
             yield f"write {told if start is read.g else whole}", g
-    loads = Term("norm", tuple(Term("name", name=force) for force in read.forces))
-    # K may end where other loads are 0: a value at zero force alone
-    for x in _above(read.g, first, names) if not domain.constant(first) else ():
-        limit = Term("where", (Term(">", (loads, _ZERO)), x, _ZERO))
-        yield f"write {in_text(limit, names)} for {in_text(x, names)}, if you mean 0 there", read.g.put({x: limit})
+    yield from _at_zero_force(read.g, domain, names)
+
+
+def _at_zero_force(g: Term, domain: StatedDomain, names: Names) -> Iterator[tuple[str, Term]]:
+    """The same at zero force alone: K may end where other loads are 0."""
+    forces = tuple(Term("name", name=force) for force in domain.law.forces)
+    nothing, read = Term(">", (Term("norm", forces), _ZERO)), g
+    for rank in range(_MOST):
+        g, put = read, dict[Term, Term]()
+        while (part := _undecided_at_zero(g, forces, domain)) is not None and len(put) < _MOST:
+            above = _above(g, part, names)
+            x = above[min(rank, len(above) - 1)]
+            if any(x in limit.parts() or limit in x.parts() for limit in put.values()):
+                put = {}  # what is put in has that part again, or stands in it
+                break
+            put[x] = Term("where", (nothing, x, _ZERO))
+            g = g.put({x: put[x]})
+        if put:
+            yield f"write {' and '.join(f'{in_text(own, names)} for {in_text(x, names)}' for x, own in put.items())}, if you mean 0 there", g
+
+
+def _undecided_at_zero(g: Term, forces: tuple[Term, ...], domain: StatedDomain) -> Term | None:
+    """A part of a formula that is not shown to have a value at zero force, as it is written."""
+    zero = dict.fromkeys(forces, _ZERO)
+    if (part := Reader(domain).undecided(g.put(zero))) is None:
+        return None
+    return next((x for x in g.parts() if x.put(zero) == part and not domain.constant(x)), None)
 
 
 def _tip(g: Term, domain: StatedDomain) -> tuple[Term, Term, Term] | None:
@@ -90,7 +113,8 @@ def _above(g: Term, part: Term, names: Names) -> list[Term]:
     """Parts that hold a part: those that have a name, then the product that it stands in, then the term of the sum; the smallest first."""
     found = [x for x in g.parts() if x != part and part in x.parts()]
     whole = [x for x in found if x.op == "*"]
-    return [*named_around(g, part, names), *whole[:1], *whole[-1:], *found[:1]] or [part]
+    angle = [part] if part.op == "atan2" and isinstance(names.get(part), str) else []
+    return [*angle, *named_around(g, part, names), *whole[:1], *whole[-1:], *found[:1]] or [part]
 
 
 def named_around(g: Term, part: Term, names: Names) -> list[Term]:
@@ -107,13 +131,24 @@ def times(term: Term, size: Term, power: Term, domain: StatedDomain) -> Term:
     if term.op == "**" and term.args[1] == power and power.op != "number":
         return Term("**", (times(term.args[0], size, _ONE, domain), power))
     rest, own = split(term, size, domain)
+    if term.op in _OF_DEGREE_ONE and own == _ZERO and not domain.facts(size).sign & NEGATIVE and any(map(_divides(size, domain), term.parts())):
+        return term._replace(args=tuple(times(a, size, power, domain) for a in term.args))
     for x in rest:
-        divided = (split(y, size, domain)[1] for y in x.parts() if x != term and x.op in ("+", "**"))
-        if any(e.op == "number" and e.value < 0 for e in divided):
+        if x != term and x.op in ("+", "**", *_OF_DEGREE_ONE) and any(map(_divides(size, domain), x.parts())):
             outer = [] if own == _ZERO else [_raised(size, own)]
             return product_of(*(times(y, size, power, domain) if y is x else y for y in rest), *outer)
     left = short(multiplied_out(sum_of(own, power), domain))
     return product_of(*rest, *([] if left == _ZERO else [_raised(size, left)]))
+
+
+def _divides(size: Term, domain: StatedDomain) -> Callable[[Term], bool]:
+    """Whether a part is divided by a size."""
+
+    def divided(part: Term) -> bool:
+        e = split(part, size, domain)[1]
+        return e.op == "number" and e.value < 0
+
+    return divided
 
 
 def _raised(size: Term, power: Term) -> Term:

@@ -41,15 +41,16 @@ _TURNS, _MOST_CHOICES, _MOST_FIXED = 7, 6, 4  # of plain values; of those at whi
 _MOST_DECIDED, _MOST_DUALS, _MOST_BOXED = 16, 3, 2  # times that everything is asked about one claim; choices tried in a box
 _LONGEST = 120  # letters of a constraint
 _MOST_FORCES = 3  # of a law that may be meant for one sign of a force
-_MOST_FORMS, _MOST_SINGLE, _MOST_SIGNS = 2, 2, 8  # beside g itself; of parameters that are 0; of constants whose sign is asked
+_MOST_FORMS, _MOST_SIGNS = 2, 8  # beside g itself; of constants whose sign is asked
 
 
 class Rewriting(NamedTuple):
-    """What to write, and g then; ``at_tip`` where a part without a value at a tip of K has one in it."""
+    """What to write, and the formula ``of`` the law then: g or the energy; ``at_tip`` where a part without a value at a tip has one in it."""
 
     told: str
-    g: str
+    written: str
     at_tip: bool = False
+    of: str = "g"
 
 
 @dataclass
@@ -92,16 +93,17 @@ def that_help(
         asked.steps = _A_KIND
         if blocked is not None and (best := next((each for each in kind(law, blocked, choices) if way(each[1])), None)) is not None:
             found.append(asked.keep(*best))
-    found = found or _with_least_lost(law, ((form.told, _changed(law, form.g, {})) for form in forms()), asked)
+    found = found or _with_least_lost(law, ((form.told, _changed(law, form, {})) for form in forms()), asked)
     part = frozenset[str]() if blocked is None else blocked.part.names().union(*(c.names() for c in blocked.signs))
     if found or refuted:
         return [*found, *refuted]
     known, asked.steps = [*choices(_choices(law))], _A_KIND
     # where g has no value at a tip, it is no parameter that is to blame; a closed form takes long to look for
     alone = () if any(form.at_tip for form in forms()) or not known or claim == "duality" else sorted(known[0])
-    moved = _moved(law, part) if claim == "smoothness" and "g" in law else ()  # nothing else of a moved K is true of K itself
-    beside = (told for told, changed in moved if asked(changed))
-    found = _narrowed(law, alone, known, {}, asked) or [*islice(beside, 1)] or _boxed(law, part, known, ranges, asked)
+    beside = (told for told, changed in _beside_tips(law, part, forms()) if asked(changed)) if claim == "smoothness" else ()
+    found = _narrowed(law, alone, known, {}, asked) or _switched(law, forms(), part, known, choices, asked)
+    asked.steps = _A_KIND
+    found = found or [*islice(beside, 1)] or _boxed(law, part, known, ranges, asked)
     return found or _settling(law, forms(), part, known, choices, asked)
 
 
@@ -217,7 +219,9 @@ def _moved(law: Text, part: frozenset[str], box: Text | None = None) -> Iterator
     In a ``box`` of ranges it is moved by a small value.
     """
     g, ranges = parse(law["g"]), box or law.get("domain", {})
-    for force, (side, sign) in product(sorted(part & {*law["forces"]}), (("min", "+"), ("max", "-"))):
+    for force, (side, sign) in product(sorted(law["forces"], key=lambda x: x not in part), (("min", "+"), ("max", "-"))):
+        if force not in part and force not in ranges:
+            continue
         x, end, own = Term("name", name=force), Term("name", name=f"{force}_end"), ranges.get(force, {"min": "0"})
         if str(own.get(side)) == "0" and end.name not in law["parameters"]:
             size = max(abs(Fraction(value)) for value in own.values()) / _A_SHARE if box else None
@@ -231,19 +235,47 @@ def _moved(law: Text, part: frozenset[str], box: Text | None = None) -> Iterator
             yield f"{told}: what is proved then is so of K wherever {force} is {where}", changed
 
 
+def _beside_tips(law: Text, part: frozenset[str], forms: Sequence[Rewriting]) -> Iterator[tuple[str, Text]]:
+    """K, or K by another form of g, moved from where a load is 0: nothing but smoothness of a moved K is true of K itself."""
+    for form in (None, *forms[:_MOST_FORMS]) if "g" in law else ():
+        for told, changed in _moved(_changed(law, form, {}), part):
+            yield f"{form.told}, and then {told}" if form else told, changed
+
+
+def _switched(
+    law: Text, forms: Sequence[Rewriting], part: frozenset[str], known: Sequence[Choice], choices: Choices, asked: _Asked
+) -> list[str]:
+    """One parameter at 0, at 1 or at an end of its range, at which the claim is proved whatever the others are."""
+    asked.steps = 2 * _A_KIND
+    for form, choice in product((None, *forms[:1]), known[:1]):
+        ways = ((x, v) for x in sorted(choice, key=lambda x: x not in part) for v in _switches(law["parameters"][x]))
+        for x, value in ways:
+            changed, there = _changed(law, form, {x: value}), {**choice, x: value}
+            if asked(changed) and _inhabits(there, law) and next(iter(choices([there])), None) == there:
+                return [asked.keep(" and ".join(filter(None, (form and form.told, settings({x: value})))), changed)]
+    return []
+
+
+def _switches(domain: Text) -> list[Fraction]:
+    """Values at which an effect may be gone: 0, 1 and the ends of its range."""
+    own = Bounds.read(domain)
+    ends = [end for end in (own.low, own.high) if end is not None]
+    return [] if own.single else [x for x in dict.fromkeys((Fraction(0), Fraction(1), *ends)) if own.holds(x)]
+
+
 def _settling(
     law: Text, forms: Sequence[Rewriting], part: frozenset[str], known: Sequence[Choice], choices: Choices, asked: _Asked
 ) -> list[str]:
     """A form of g, or g with the fewest parameters fixed or narrowed at plain values, of which the claim is proved or refuted."""
-    bases, zero = (("", None), *(form[:2] for form in forms[:_MOST_FORMS])), Fraction(0)
-    single = ({**choice, x: zero} for choice in known[:1] for x in choice if choice[x] and Bounds.read(law["parameters"][x]).holds(zero))
-    for values in ({}, *known[:_MOST_FIXED], *islice(choices(single), _MOST_SINGLE)):  # an effect that is switched off says least
-        for told, g in bases if values else bases[1:]:
+    bases, own = (None, *forms[:_MOST_FORMS]), {x: Bounds.read(domain) for x, domain in law["parameters"].items()}
+    alike = [{x: end if own[x].holds(end) else choice[x] for x in choice} for choice in known[:1] for end in map(Fraction, (0, 1))]
+    for values in ({}, *islice(choices(each for each in alike if _inhabits(each, law)), len(alike)), *known[:_MOST_FIXED]):
+        for form in bases if values else bases[1:]:
             asked.steps = _A_KIND
-            if (verdict := asked.decided(_changed(law, g, values))) is Verdict.REFUTED:
-                return [_said(told, values, verdict)]
+            if (verdict := asked.decided(_changed(law, form, values))) is Verdict.REFUTED:
+                return [_said(form.told if form else "", values, verdict)]
             if verdict is Verdict.PROVED:
-                return [_with_fewest(law, told, g, values, part, asked)]
+                return [_with_fewest(law, form, values, part, asked)]
     return []
 
 
@@ -269,20 +301,21 @@ def _boxed(law: Text, part: frozenset[str], known: Sequence[Choice], ranges: Cal
     return []
 
 
-def _with_fewest(law: Text, told: str, g: str | None, fixed: Choice, part: frozenset[str], asked: _Asked) -> str:
+def _with_fewest(law: Text, form: Rewriting | None, fixed: Choice, part: frozenset[str], asked: _Asked) -> str:
     """What is proved with values fixed, with as few of them as may be, those of a ``part`` the longest, and one of these narrowed."""
+    told = form.told if form else ""
     others = [name for name in fixed if name not in part]  # an effect that is gone at 0 is the likeliest that matters
     ways = ([name for name in others if fixed[name]], others, *([x] for x in sorted(fixed, key=lambda x: (not fixed[x], x in part))))
     for freed in ways:
         fewer = {x: value for x, value in fixed.items() if x not in freed}
-        if fewer != fixed and (fewer or g is not None) and asked.decided(_changed(law, g, fewer)) is Verdict.PROVED:
+        if fewer != fixed and (fewer or form) and asked.decided(_changed(law, form, fewer)) is Verdict.PROVED:
             fixed = fewer
     for name in fixed if "boundary" not in law else ():  # to read a curve takes long
         more = {x: value for x, value in fixed.items() if x != name}
-        if found := _narrowed(_changed(law, g, {}), [name], [fixed], more, asked):
+        if found := _narrowed(_changed(law, form, {}), [name], [fixed], more, asked):
             return " and ".join(filter(None, (told, *found)))
     said = _said(told, fixed, Verdict.PROVED)
-    asked.tried.helped[said] = _changed(law, g, fixed)
+    asked.tried.helped[said] = _changed(law, form, fixed)
     return said
 
 
@@ -337,10 +370,12 @@ def _inhabits(choice: Choice, law: Text) -> bool:
     return False
 
 
-def _changed(law: Text, g: str | None, fixed: Choice) -> Text:
-    """The law with another g, and fixed parameters."""
-    of_one = {key: own for key, own in {"flow": None, **law, "g": g}.items() if key != "surfaces"}
-    return _with(law if g is None else of_one, fixed)
+def _changed(law: Text, form: Rewriting | None, fixed: Choice) -> Text:
+    """The law with another formula, and fixed parameters."""
+    if form is None:
+        return _with(law, fixed)
+    changed = {"flow": None, **law, form.of: form.written}
+    return _with({key: own for key, own in changed.items() if form.of != "g" or key != "surfaces"}, fixed)
 
 
 def _with(law: Text, fixed: Choice) -> Text:
