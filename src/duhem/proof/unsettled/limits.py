@@ -29,7 +29,7 @@ from duhem.proof.kernel.term import NotWritten, Term, factors, number, product_o
 from duhem.proof.search.boundary_points import scouts
 from duhem.proof.unsettled.term_text import Names, in_text
 
-__all__ = ["keeps_k", "named_around", "same_points", "short", "split", "times", "with_values"]
+__all__ = ["holds_a_place", "keeps_k", "named_around", "same_points", "short", "split", "times", "with_values"]
 
 _MOST = 4  # parts in one formula, and ways to choose each
 _CHOICES, _DRAWN, _MOVES = 2, 24, 30  # of parameters; of places, and around each; to a zero of a size
@@ -207,9 +207,7 @@ def same_points(subject: FormulaSubject, g: str) -> int:
     Among the points are zero force and many of which some forces are 0.
     """
     old, new, low, high = _both(subject, g)
-    rng, seen = np.random.default_rng(11), 0
-    drawn = rng.standard_normal((_MANY, len(low))) * 10.0 ** rng.uniform(-3, 3, (_MANY, 1))
-    drawn = np.concatenate([drawn, drawn * rng.integers(0, 2, drawn.shape), 0 * drawn[:1]])
+    drawn, seen = _of_many_sizes(len(low)), 0
     for scout in scouts(subject, 2 * _CHOICES):
         near = [scale * scout.boundary for scale in _SCALES] if scout.boundary.shape[1] == len(low) else []
         points = np.clip(np.concatenate([drawn, *near]), low, high)
@@ -220,6 +218,21 @@ def same_points(subject: FormulaSubject, g: str) -> int:
             return 0
         seen += int(clear.sum())
     return seen
+
+
+def _of_many_sizes(forces: int) -> NDArray[np.float64]:
+    """Drawn places, some of whose forces are 0; the last one is zero force."""
+    rng = np.random.default_rng(11)
+    drawn = rng.standard_normal((_MANY, forces)) * 10.0 ** rng.uniform(-3, 3, (_MANY, 1))
+    return np.concatenate([drawn, drawn * rng.integers(0, 2, drawn.shape), 0 * drawn[:1]])
+
+
+@np.errstate(all="ignore")
+def holds_a_place(subject: FormulaSubject) -> bool:
+    """Whether g < 0 at a drawn place, for the first choice of parameters."""
+    g, _, low, high = _both(subject, subject.law.written)
+    points = np.clip(_of_many_sizes(len(low)), low, high)
+    return any(np.any(g(*points.T, *_others(subject, parameters)) < 0) for parameters in islice(subject.choices(1), 1))
 
 
 def _both(subject: FormulaSubject, g: str) -> tuple[Program, Program, NDArray[np.float64], NDArray[np.float64]]:

@@ -35,7 +35,7 @@ from duhem.proof.search.boundary_points import scouts
 from duhem.proof.search.margins import least_margin
 from duhem.proof.unsettled.blocked import Blocked, blocked, required
 from duhem.proof.unsettled.forms import equal_forms, other_forms
-from duhem.proof.unsettled.limits import keeps_k, named_around, same_points, with_values
+from duhem.proof.unsettled.limits import holds_a_place, keeps_k, named_around, same_points, with_values
 from duhem.proof.unsettled.term_text import Names, in_text, names_of
 from duhem.proof.unsettled.trials import Attempts, Rewriting, that_help
 from duhem.proof.verdict import CONTRADICTION, Evidence, Unsettled, Verdict
@@ -235,13 +235,14 @@ def _with_k(asked: _OpenClaim, plain: Iterable[Mapping[str, Any]]) -> Iterator[M
 
 
 def _has_k(asked: _OpenClaim, values: Mapping[str, Any]) -> bool:
-    """Whether K has a boundary in floats with these values, or zero force is shown to lie in it: of an empty K much is proved."""
+    """Whether K has a boundary or a place in floats with these values, or zero force is shown to lie in it: of an empty K much is proved."""
     law, origin = asked.law, asked.settled.get("origin")
     known = asked.claim in _OF_ANY_K or (origin is not None and origin.verdict is Verdict.PROVED)
     if known or not isinstance(law, Criterion) or law.forces_of_rates or law.viscous:
         return True
     with suppress(InputError):
-        return any(len(found.boundary) for found in scouts(FormulaSubject(law.fix(values)), 1))
+        there = FormulaSubject(law.fix(values))
+        return any(len(found.boundary) for found in scouts(there, 1)) or holds_a_place(there)
     return False
 
 
