@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import suppress
-from fractions import Fraction
 from typing import Any, NamedTuple
 
 from duhem.proof.kernel import boundary, obligations, state
@@ -258,12 +257,12 @@ def without_boundary(law: StatedLaw, _: Evidence) -> bool:
 def smoothness(law: StatedLaw, evidence: Evidence) -> bool:
     """g is C^1 where g = 0, and has no minimum there: it is convex and somewhere negative; or K is convex and round at its ends.
 
-    Convex it may be in the ranges of the forces alone, if zero force, at which it is negative, is in these.
+    It may be convex in the ranges of the forces alone, which hold zero force, if it is negative there.
     """
-    within = within_ranges(law)
-    shapes = [_shape(law, evidence), *([within.facts(law.g)] if all(own.holds(Fraction(0)) for _, own in law.ranges) else [])]
-    if not (_inside(law, evidence) or (not law.g.large and (boundary.falls_from_zero(law) or boundary.is_a_graph(law)))):
+    inside, within = _inside(law, evidence), within_ranges(law)
+    if not (inside or (not law.g.large and (boundary.falls_from_zero(law) or boundary.is_a_graph(law)))):
         return False
+    shapes = (_shape(law, evidence), *([within.facts(law.g)] if inside and not evidence.get("inside") else []))
     smooth = any(shape.defined and shape.convex for shape in shapes) and smooth_near_the_boundary(law.g, within)
     return smooth or (not law.g.large and round_at_its_ends(law))
 

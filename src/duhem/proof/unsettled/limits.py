@@ -80,7 +80,8 @@ def _at_zero_force(g: Term, domain: StatedDomain, names: Names) -> Iterator[tupl
             put[x] = Term("where", (nothing, x, _ZERO))
             g = g.put({x: put[x]})
         if put:
-            yield f"write {' and '.join(f'{in_text(own, names)} for {in_text(x, names)}' for x, own in put.items())}, if you mean 0 there", g
+            told = " and ".join(f"{in_text(own, names)} for {in_text(x, names)}" for x, own in put.items())
+            yield f"write {told}, if you mean 0 there", g
 
 
 def _undecided_at_zero(g: Term, forces: tuple[Term, ...], domain: StatedDomain) -> Term | None:
@@ -131,7 +132,12 @@ def times(term: Term, size: Term, power: Term, domain: StatedDomain) -> Term:
     if term.op == "**" and term.args[1] == power and power.op != "number":
         return Term("**", (times(term.args[0], size, _ONE, domain), power))
     rest, own = split(term, size, domain)
-    if term.op in _OF_DEGREE_ONE and own == _ZERO and not domain.facts(size).sign & NEGATIVE and any(map(_divides(size, domain), term.parts())):
+    if (
+        term.op in _OF_DEGREE_ONE
+        and own == _ZERO
+        and not domain.facts(size).sign & NEGATIVE
+        and any(map(_divides(size, domain), term.parts()))
+    ):
         return term._replace(args=tuple(times(a, size, power, domain) for a in term.args))
     for x in rest:
         if x != term and x.op in ("+", "**", *_OF_DEGREE_ONE) and any(map(_divides(size, domain), x.parts())):

@@ -179,8 +179,9 @@ def _quoted(found: Blocked, asked: _OpenClaim, names: Names) -> tuple[str, str]:
 
 
 def _around(formula: Term, part: Term, names: Names) -> list[Term]:
-    """The parts with a name that hold a part, the smallest first, and a softplus of which it is the exponential."""
-    return [*(x for x in formula.parts() if x.op == "log" and part.op == "exp" and part in x.args[0].args), *named_around(formula, part, names)]
+    """The parts with a name that hold a part, the smallest first, after a softplus of which it is the exponential."""
+    softplus = (x for x in formula.parts() if x.op == "log" and part.op == "exp" and part in x.args[0].args)
+    return [*softplus, *named_around(formula, part, names)]
 
 
 def _with_values(asked: _OpenClaim, names: Names) -> Iterator[Rewriting]:
@@ -198,7 +199,8 @@ def _equal_forms(asked: _OpenClaim, names: Names) -> Iterator[Rewriting]:
             stored = epigraph(read)
             for of, term, law in (("energy", read.energy, stored), ("g", read.g, read)):
                 for part, new in islice(equal_forms(term, within_ranges(law)), _MOST_FORMS) if term and law else ():
-                    told = f"write {in_text(new, names)} for {in_text(part, names)}, which is the same"
+                    where = " in psi" if of == "energy" else ""
+                    told = f"write {in_text(new, names)} for {in_text(part, names)}{where}, which is the same"
                     yield Rewriting(told, in_text(term.put({part: new}), {}), of=of)
 
 
@@ -235,9 +237,12 @@ def _with_k(asked: _OpenClaim, plain: Iterable[Mapping[str, Any]]) -> Iterator[M
 
 
 def _has_k(asked: _OpenClaim, values: Mapping[str, Any]) -> bool:
-    """Whether K has a boundary or a place in floats with these values, or zero force is shown to lie in it: of an empty K much is proved."""
+    """Whether K has a boundary or a place inside in floats with these values, or zero force is shown to lie in it, and none of them is 0.
+
+    Of an empty K much is proved, and with a value 0 K may be zero force alone.
+    """
     law, origin = asked.law, asked.settled.get("origin")
-    known = asked.claim in _OF_ANY_K or (origin is not None and origin.verdict is Verdict.PROVED)
+    known = asked.claim in _OF_ANY_K or (origin is not None and origin.verdict is Verdict.PROVED and all(values.values()))
     if known or not isinstance(law, Criterion) or law.forces_of_rates or law.viscous:
         return True
     with suppress(InputError):

@@ -45,7 +45,7 @@ _MOST_FORMS, _MOST_SIGNS = 2, 8  # beside g itself; of constants whose sign is a
 
 
 class Rewriting(NamedTuple):
-    """What to write, and the formula ``of`` the law then: g or the energy; ``at_tip`` where a part without a value at a tip has one in it."""
+    """What to write, and the formula ``of`` the law then, g or the energy; ``at_tip`` where a part without a value has one in it."""
 
     told: str
     written: str
@@ -245,32 +245,31 @@ def _beside_tips(law: Text, part: frozenset[str], forms: Sequence[Rewriting]) ->
 def _switched(
     law: Text, forms: Sequence[Rewriting], part: frozenset[str], known: Sequence[Choice], choices: Choices, asked: _Asked
 ) -> list[str]:
-    """One parameter at 0, at 1 or at an end of its range, at which the claim is proved whatever the others are."""
-    asked.steps = 2 * _A_KIND
+    """One parameter at a plain value, at 1, at an end of its range or at 0, at which the claim is proved whatever the others are.
+
+    An effect that is gone at 0 says least.
+    """
+    asked.steps = _A_KIND
     for form, choice in product((None, *forms[:1]), known[:1]):
-        ways = ((x, v) for x in sorted(choice, key=lambda x: x not in part) for v in _switches(law["parameters"][x]))
-        for x, value in ways:
-            changed, there = _changed(law, form, {x: value}), {**choice, x: value}
-            if asked(changed) and _inhabits(there, law) and next(iter(choices([there])), None) == there:
-                return [asked.keep(" and ".join(filter(None, (form and form.told, settings({x: value})))), changed)]
+        for x in sorted(choice, key=lambda x: x not in part):
+            own = Bounds.read(law["parameters"][x])
+            ends = (choice[x], Fraction(1), *(end for end in (own.high, own.low) if end))
+            for value in (value for value in dict.fromkeys((*ends, Fraction(0))) if own.holds(value)):
+                changed, there = _changed(law, form, {x: value}), {**choice, x: value}
+                if asked(changed) and _inhabits(there, law) and next(iter(choices([there])), None) == there:
+                    return [asked.keep(" and ".join(filter(None, (form and form.told, settings({x: value})))), changed)]
     return []
-
-
-def _switches(domain: Text) -> list[Fraction]:
-    """Values at which an effect may be gone: 0, 1 and the ends of its range."""
-    own = Bounds.read(domain)
-    ends = [end for end in (own.low, own.high) if end is not None]
-    return [] if own.single else [x for x in dict.fromkeys((Fraction(0), Fraction(1), *ends)) if own.holds(x)]
 
 
 def _settling(
     law: Text, forms: Sequence[Rewriting], part: frozenset[str], known: Sequence[Choice], choices: Choices, asked: _Asked
 ) -> list[str]:
     """A form of g, or g with the fewest parameters fixed or narrowed at plain values, of which the claim is proved or refuted."""
-    bases, own = (None, *forms[:_MOST_FORMS]), {x: Bounds.read(domain) for x, domain in law["parameters"].items()}
+    own = {x: Bounds.read(domain) for x, domain in law["parameters"].items()}
     alike = [{x: end if own[x].holds(end) else choice[x] for x in choice} for choice in known[:1] for end in map(Fraction, (0, 1))]
-    for values in ({}, *islice(choices(each for each in alike if _inhabits(each, law)), len(alike)), *known[:_MOST_FIXED]):
-        for form in bases if values else bases[1:]:
+    alike = [*islice(choices(each for each in alike if _inhabits(each, law)), len(alike))]
+    for values in ({}, *known[:1], *alike, *known[1:_MOST_FIXED]):
+        for form in (None, *forms[:1]) if values else forms[:_MOST_FORMS]:
             asked.steps = _A_KIND
             if (verdict := asked.decided(_changed(law, form, values))) is Verdict.REFUTED:
                 return [_said(form.told if form else "", values, verdict)]
