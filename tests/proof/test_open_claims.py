@@ -78,7 +78,7 @@ TOLD = [
     (law("((a + b + c)**3/(a*b*c) - 27)*(a + b + c)**m - h", {"m": Domain.between(0, 1), "h": POSITIVE}, "abc",
          domain=dict.fromkeys("abc", AT_LEAST_0)), "origin", "1/(a*b*c)", "at zero force",
         "write ((a + b + c)**3 - 27*a*b*c)*(a + b + c)**m - h*a*b*c for g, which is a*b*c times g"),
-    (law("1 - exp(-(a**2 + b**2)**2) - k + 0*a", {"k": Domain.between(0, "9/10")}), "convexity", "exp(", "no rule shows",
+    (law("1 - exp(-(a**2 + b**2)**2 + a**3/100) - k", {"k": Domain.between(0, "9/10")}), "convexity", "exp(", "no rule shows",
         "ask for forces near K alone: a = { min = "),
     (law("q + m*p*log(p/c)", {"m": POSITIVE, "c": POSITIVE}, "pq", domain={"p": AT_LEAST_0, "q": AT_LEAST_0}), "smoothness", "log(p/c)",
         "not shown to have a value", "write p + p_end for p, with the parameter p_end = { positive = true }"),

@@ -220,7 +220,7 @@ def _moved(law: Text, part: frozenset[str], box: Text | None = None) -> Iterator
     """
     g, ranges = parse(law["g"]), box or law.get("domain", {})
     for force, (side, sign) in product(sorted(law["forces"], key=lambda x: x not in part), (("min", "+"), ("max", "-"))):
-        if force not in part and force not in ranges:
+        if force not in ranges and (force not in part or len(part & {*law["forces"]}) > 1):
             continue
         x, end, own = Term("name", name=force), Term("name", name=f"{force}_end"), ranges.get(force, {"min": "0"})
         if str(own.get(side)) == "0" and end.name not in law["parameters"]:
@@ -257,6 +257,8 @@ def _switched(
             for value in (value for value in dict.fromkeys((*ends, Fraction(0))) if own.holds(value)):
                 changed, there = _changed(law, form, {x: value}), {**choice, x: value}
                 if asked(changed) and _inhabits(there, law) and next(iter(choices([there])), None) == there:
+                    if form and asked.decided(_with(law, {x: value})) is Verdict.PROVED:
+                        return [_said("", {x: value}, Verdict.PROVED)]
                     return [asked.keep(" and ".join(filter(None, (form and form.told, settings({x: value})))), changed)]
     return []
 
