@@ -198,7 +198,9 @@ def _equal_forms(asked: _OpenClaim, names: Names) -> Iterator[Rewriting]:
         if "boundary" not in asked.text and isinstance(read := StatedLaw.read(asked.text), StatedLaw):
             stored = epigraph(read)
             for of, term, law in (("energy", read.energy, stored), ("g", read.g, read)):
-                for part, new in islice(equal_forms(term, within_ranges(law)), _MOST_FORMS) if term and law else ():
+                if term is None or law is None:
+                    continue
+                for part, new in islice(equal_forms(term, within_ranges(law)), _MOST_FORMS):
                     where = " in psi" if of == "energy" else ""
                     told = f"write {in_text(new, names)} for {in_text(part, names)}{where}, which is the same"
                     yield Rewriting(told, in_text(term.put({part: new}), {}), of=of)

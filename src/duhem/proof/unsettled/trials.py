@@ -268,7 +268,9 @@ def _settling(
 ) -> list[str]:
     """A form of g, or g with the fewest parameters fixed or narrowed at plain values, of which the claim is proved or refuted."""
     own = {x: Bounds.read(domain) for x, domain in law["parameters"].items()}
-    alike = [{x: end if own[x].holds(end) else choice[x] for x in choice} for choice in known[:1] for end in map(Fraction, (0, 1))]
+    alike: list[Choice] = [
+        {x: end if own[x].holds(end) else choice[x] for x in choice} for choice in known[:1] for end in map(Fraction, (0, 1))
+    ]
     alike = [*islice(choices(each for each in alike if _inhabits(each, law)), len(alike))]
     for values in ({}, *known[:1], *alike, *known[1:_MOST_FIXED]):
         for form in (None, *forms[:1]) if values else forms[:_MOST_FORMS]:
