@@ -5,10 +5,11 @@ Whether K stays what it was is looked at in floats, close to where the load is 0
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from fractions import Fraction
+from functools import partial
 from itertools import islice, product
 
 import numpy as np
@@ -40,56 +41,40 @@ _OF_DEGREE_ONE = ("abs", "norm", "pos", "neg", "max", "min")  # of what is multi
 
 
 def with_values(read: StatedLaw, names: Names) -> Iterator[tuple[str, Term]]:
-    """What to write, and g then: 0 for parts without a value, from the smallest to the largest, in g and in g times what it divides by."""
-    domain, seen = within_ranges(read), set[Term]()
-    if (first := Reader(domain).undecided(read.g)) is None:
+    """What to write, and g then: 0 for parts without a value, from the smallest to the largest, in g and in g times what it divides by.
+
+    At last it is so at zero force alone: K may end where other loads are 0.
+    """
+    domain, seen = within_ranges(read), {read.g}
+    if Reader(domain).undecided(read.g) is None:
         return
-    tip = _tip(read.g, domain)
-    _, size, power = tip or (first, _ONE, _ZERO)
-    for start, rank in product((read.g, times(read.g, size, power, domain)) if tip else (), range(_MOST)):
-        g, put = start, list[tuple[Term, Term]]()
-        while (tip := _tip(g, domain)) is not None and len(put) < _MOST:
-            above = _above(start, tip[0], names)
+    _, size, power = (tip := _tip(read.g, domain)) or (read.g, _ONE, _ZERO)
+    starts = (read.g, times(read.g, size, power, domain)) if tip else ()
+    ways = [*((start, partial(_tip, domain=domain)) for start in starts), (read.g, partial(_none_at_zero, domain=domain))]
+    for (start, find), rank in product(ways, range(_MOST)):
+        g, put = start, dict[Term, Term]()
+        while (found := find(g)) is not None and len(put) < _MOST:
+            above = _above(start, found[0], names)
             x = above[min(rank, len(above) - 1)]
-            limit = Term("where", (Term(">", (tip[1], _ZERO)), x, _ZERO))
-            if (changed := g.put({x: limit})) == g or any(x in other.parts() for _, other in put):
-                g = read.g  # what is put in has that part again
+            limit = Term("where", (Term(">", (found[1], _ZERO)), x, _ZERO))
+            if (changed := g.put({x: limit})) == g or any(x in own.parts() or own in x.parts() for own in put.values()):
+                g = read.g  # what is put in has that part again, or stands in it
                 break
-            g = changed
-            put.append((x, limit))
-        if g != read.g and g not in seen:
+            g, put[x] = changed, limit
+        if g not in seen:
             seen.add(g)
-            told = " and ".join(f"{in_text(limit, names)} for {in_text(x, names)}" for x, limit in put) + ", if you mean 0 there"
+            told = " and ".join(f"{in_text(limit, names)} for {in_text(x, names)}" for x, limit in put.items()) + ", if you mean 0 there"
             whole = f"{in_text(g, names)} for g, which is {in_text(_raised(size, power), names)} times g"
             yield f"write {told if start is read.g else whole}", g
-    yield from _at_zero_force(read.g, domain, names)
 
 
-def _at_zero_force(g: Term, domain: StatedDomain, names: Names) -> Iterator[tuple[str, Term]]:
-    """The same at zero force alone: K may end where other loads are 0."""
+def _none_at_zero(g: Term, domain: StatedDomain) -> tuple[Term, Term] | None:
+    """A part of a formula, as it is written, that is not shown to have a value at zero force, and the size of all forces."""
     forces = tuple(Term("name", name=force) for force in domain.law.forces)
-    nothing, read = Term(">", (Term("norm", forces), _ZERO)), g
-    for rank in range(_MOST):
-        g, put = read, dict[Term, Term]()
-        while (part := _undecided_at_zero(g, forces, domain)) is not None and len(put) < _MOST:
-            above = _above(g, part, names)
-            x = above[min(rank, len(above) - 1)]
-            if any(x in limit.parts() or limit in x.parts() for limit in put.values()):
-                put = {}  # what is put in has that part again, or stands in it
-                break
-            put[x] = Term("where", (nothing, x, _ZERO))
-            g = g.put({x: put[x]})
-        if put:
-            told = " and ".join(f"{in_text(own, names)} for {in_text(x, names)}" for x, own in put.items())
-            yield f"write {told}, if you mean 0 there", g
-
-
-def _undecided_at_zero(g: Term, forces: tuple[Term, ...], domain: StatedDomain) -> Term | None:
-    """A part of a formula that is not shown to have a value at zero force, as it is written."""
     zero = dict.fromkeys(forces, _ZERO)
-    if (part := Reader(domain).undecided(g.put(zero))) is None:
-        return None
-    return next((x for x in g.parts() if x.put(zero) == part and not domain.constant(x)), None)
+    part = Reader(domain).undecided(g.put(zero))
+    own = (x for x in g.parts() if x.put(zero) == part and not domain.constant(x))
+    return next(((x, Term("norm", forces)) for x in own), None)
 
 
 def _tip(g: Term, domain: StatedDomain) -> tuple[Term, Term, Term] | None:
@@ -114,8 +99,7 @@ def _above(g: Term, part: Term, names: Names) -> list[Term]:
     """Parts that hold a part: those that have a name, then the product that it stands in, then the term of the sum; the smallest first."""
     found = [x for x in g.parts() if x != part and part in x.parts()]
     whole = [x for x in found if x.op == "*"]
-    angle = [part] if part.op == "atan2" and isinstance(names.get(part), str) else []
-    return [*angle, *named_around(g, part, names), *whole[:1], *whole[-1:], *found[:1]] or [part]
+    return [*named_around(g, part, names), *whole[:1], *whole[-1:], *found[:1]] or [part]
 
 
 def named_around(g: Term, part: Term, names: Names) -> list[Term]:
@@ -132,29 +116,19 @@ def times(term: Term, size: Term, power: Term, domain: StatedDomain) -> Term:
     if term.op == "**" and term.args[1] == power and power.op != "number":
         return Term("**", (times(term.args[0], size, _ONE, domain), power))
     rest, own = split(term, size, domain)
-    if (
-        term.op in _OF_DEGREE_ONE
-        and own == _ZERO
-        and not domain.facts(size).sign & NEGATIVE
-        and any(map(_divides(size, domain), term.parts()))
-    ):
+    if term.op in _OF_DEGREE_ONE and _divides(term, size, domain) and not domain.facts(size).sign & NEGATIVE:
         return term._replace(args=tuple(times(a, size, power, domain) for a in term.args))
     for x in rest:
-        if x != term and x.op in ("+", "**", *_OF_DEGREE_ONE) and any(map(_divides(size, domain), x.parts())):
+        if x != term and x.op in ("+", "**", *_OF_DEGREE_ONE) and _divides(x, size, domain):
             outer = [] if own == _ZERO else [_raised(size, own)]
             return product_of(*(times(y, size, power, domain) if y is x else y for y in rest), *outer)
     left = short(multiplied_out(sum_of(own, power), domain))
     return product_of(*rest, *([] if left == _ZERO else [_raised(size, left)]))
 
 
-def _divides(size: Term, domain: StatedDomain) -> Callable[[Term], bool]:
-    """Whether a part is divided by a size."""
-
-    def divided(part: Term) -> bool:
-        e = split(part, size, domain)[1]
-        return e.op == "number" and e.value < 0
-
-    return divided
+def _divides(term: Term, size: Term, domain: StatedDomain) -> bool:
+    """Whether a part of a term is divided by a size."""
+    return any(e.op == "number" and e.value < 0 for x in term.parts() for e in split(x, size, domain)[1:])
 
 
 def _raised(size: Term, power: Term) -> Term:

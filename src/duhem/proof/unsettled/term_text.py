@@ -54,12 +54,7 @@ def _text(term: Term, names: Names) -> tuple[str, int]:
         return _text(known, names) if isinstance(known, Term) else (known, _ATOM)
     if term.op == "number":
         return str(term.value), _SUM if term.value < 0 else _ATOM if term.value.denominator == 1 else _PRODUCT
-    if (
-        term.op == "log"
-        and term.args[0].op == "+"
-        and [a.op for a in term.args[0].args] == ["number", "exp"]
-        and term.args[0].args[0] == _ONE
-    ):
+    if [term.op, *(x.op for a in term.args[:1] for x in (a, *a.args))] == ["log", "+", "number", "exp"] and term.args[0].args[0] == _ONE:
         return f"softplus({in_text(term.args[0].args[1].args[0], names)})", _ATOM
     if term.op == "+":
         first, *rest = [a for a in term.args if a != _ZERO] or [_ZERO]
