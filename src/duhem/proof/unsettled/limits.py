@@ -51,11 +51,11 @@ def with_values(read: StatedLaw, names: Names) -> Iterator[tuple[str, Term]]:
     _, size, power = (tip := _tip(read.g, domain)) or (read.g, _ONE, _ZERO)
     starts = (read.g, times(read.g, size, power, domain)) if tip else ()
     ways = [*((start, partial(_tip, domain=domain)) for start in starts), (read.g, partial(_none_at_zero, domain=domain))]
-    for (start, find), rank in product(ways, range(_MOST)):
+    for (start, find), rank, first in product(ways, range(_MOST), (0, _MOST)):  # of the first part the smallest, or of all parts alike
         g, put = start, dict[Term, Term]()
         while (found := find(g)) is not None and len(put) < _MOST:
             above = _above(start, found[0], names)
-            x = above[min(rank, len(above) - 1)]
+            x = above[min(rank, len(above) - 1, rank if put else first)]
             limit = Term("where", (Term(">", (found[1], _ZERO)), x, _ZERO))
             if (changed := g.put({x: limit})) == g or any(x in own.parts() or own in x.parts() for own in put.values()):
                 g = read.g  # what is put in has that part again, or stands in it
