@@ -5,7 +5,7 @@ Whether K stays what it was is looked at in floats, close to where the load is 0
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from fractions import Fraction
@@ -50,7 +50,8 @@ def with_values(read: StatedLaw, names: Names) -> Iterator[tuple[str, Term]]:
         return
     _, size, power = (tip := _tip(read.g, domain)) or (read.g, _ONE, _ZERO)
     starts = (read.g, times(read.g, size, power, domain)) if tip else ()
-    ways = [*((start, partial(_tip, domain=domain)) for start in starts), (read.g, partial(_none_at_zero, domain=domain))]
+    ways: list[tuple[Term, Callable[[Term], tuple[Term, ...] | None]]] = [(start, partial(_tip, domain=domain)) for start in starts]
+    ways.append((read.g, partial(_none_at_zero, domain=domain)))
     for (start, find), rank, first in product(ways, range(_MOST), (0, _MOST)):  # of the first part the smallest, or of all parts alike
         g, put = start, dict[Term, Term]()
         while (found := find(g)) is not None and len(put) < _MOST:
