@@ -214,3 +214,26 @@ def test_a_root_of_what_is_never_0_has_no_tip(under: str, right: bool) -> None:
 )
 def test_a_convex_polynomial_that_falls_from_the_origin(g: str, right: bool) -> None:
     assert confirmed(law(g, m=POSITIVE, e=UNIT), "composition") is right
+
+
+FROM_ZERO = {"n": {"min": "0"}}
+
+
+@pytest.mark.parametrize(
+    ("g", "ranges", "right"),
+    [
+        ("norm(a, b) - m - n", FROM_ZERO, True),
+        ("norm(a, b) - m - n", {}, False),  # a cone with its tip at n = -m
+        ("norm(a, b) - m - n", {"n": {"min": "-1"}}, False),
+        ("norm(a, b) - n", FROM_ZERO, False),
+        ("norm(a, b) - 2*m + m/(1 + n) - n", FROM_ZERO, True),  # convex there alone
+        ("norm(a, b) - m + m/(1 + n) - n", FROM_ZERO, False),  # it has a tip at n = 0
+        ("norm(a, b) + b - m - n", FROM_ZERO, True),
+        ("abs(a) - 2*m + m/(1 + n) - n", FROM_ZERO, True),
+        ("abs(a) + b**2 - m - n", FROM_ZERO, False),  # a kink where b**2 = m + n
+        ("a**2 + b**2 + 1/(1 + n) + n - 1", FROM_ZERO, False),  # a point: g is 0 at zero force, and no less
+    ],
+)
+def test_a_tip_is_off_the_boundary_where_ranges_give_g_a_sign_there(g: str, ranges: dict[str, Any], right: bool) -> None:
+    given = {"forces": ("a", "b", "n"), "pressure": None, "parameters": {"m": POSITIVE}, "constraints": (), "g": g, "flow": None}
+    assert confirmed(StatedLaw.read({**given, "domain": ranges}), "composition") is right

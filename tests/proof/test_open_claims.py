@@ -78,7 +78,7 @@ TOLD = [
     (law("((a + b + c)**3/(a*b*c) - 27)*(a + b + c)**m - h", {"m": Domain.between(0, 1), "h": POSITIVE}, "abc",
          domain=dict.fromkeys("abc", AT_LEAST_0)), "origin", "1/(a*b*c)", "at zero force",
         "write ((a + b + c)**3 - 27*a*b*c)*(a + b + c)**m - h*a*b*c for g, which is a*b*c times g"),
-    (law("1 - exp(-(a**2 + b**2)**2) - k + 0*a", {"k": Domain.between(0, "9/10")}), "convexity", "exp(", "no rule shows",
+    (law("1 - exp(-(a**2 + b**2)**2 + a**3/100) - k", {"k": Domain.between(0, "9/10")}), "convexity", "exp(", "no rule shows",
         "ask for forces near K alone: a = { min = "),
     (law("q + m*p*log(p/c)", {"m": POSITIVE, "c": POSITIVE}, "pq", domain={"p": AT_LEAST_0, "q": AT_LEAST_0}), "smoothness", "log(p/c)",
         "not shown to have a value", "write p + p_end for p, with the parameter p_end = { positive = true }"),
@@ -91,6 +91,16 @@ TOLD = [
         "origin", "1/J2(s)**(3/2) in lode(s)", "at zero force", "write where(J2(s) > 0, lode(s), 0) for lode(s), if you mean 0 there"),
     (law("-(1 + q/p)**sqrt(2)/(2 + q/p)**(3*sqrt(2)) + p/c", {"c": POSITIVE}, "pq", domain={"p": AT_LEAST_0, "q": AT_LEAST_0}), "origin",
         "1/p", "at zero force", "if you mean 0 there"),
+    (law("abs(t) - n*tan(b + d/(1 + n))", {"b": Domain.between("7/20", "3/5"), "d": Domain.between(0, "3/5")}, "nt",
+         domain={"n": AT_LEAST_0}), "convexity", "tan(b + d/(1 + n))", "not shown to have a value", "--set d=0"),
+    (law("((a + b + c)**3/(a*b*c) - 27)*(a + b + c)**m - h", {"m": Domain.between(0, 1), "h": Domain.between(10, 100)}, "abc",
+         domain=dict.fromkeys("abc", AT_LEAST_0)), "convexity", "(a + b + c)**m", "a product of 2 parts", "--set m=0"),
+    (law("norm(s, t)/p - 1/(2 + p)", {}, "pst", domain={"p": AT_LEAST_0}), "smoothness", "1/p", "not shown to have a value",
+        "for g, which is p times g, and then write p + p_end for p, with the parameter p_end = { positive = true }"),
+    (law("log(p/c) + abs(q/p - h) - e", {"c": POSITIVE, "h": Domain.between(0, 1), "e": AT_LEAST_0}, "pq", domain={"p": AT_LEAST_0}),
+        "convexity", "abs(q/p - h)", "abs of what depends on the forces", "abs(q - h*p) - e*p for g, which is p times g"),
+    (law("B*(cosh(a/s)*cosh(b/s) - 1)", {"B": AT_LEAST_0, "s": POSITIVE}, viscous=True), "convexity", "cosh(a/s)*cosh(b/s)",
+        "a product of 2 parts", "write (cosh(a/s + b/s) + cosh(a/s - b/s))/2 for cosh(a/s)*cosh(b/s), which is the same"),
     (law("where(3*max(a, b) + min(a, b) > 0, max(a, b) - t, (a - b)**2/(8*t) + a + b)", {"t": POSITIVE}), "convexity",
         "where(3*max", "a choice by the forces", "your own values"),
 ]  # fmt: skip
@@ -116,7 +126,10 @@ def unquoted(action: str) -> str:
 
 def changed(criterion: Criterion, action: str) -> Criterion:
     """The law after what an action says."""
-    action = unquoted(action)
+    first, _, then = unquoted(action).partition(", and then ")
+    if then:
+        return changed(changed(criterion, first), then)
+    action = first
     more: dict[str, object] = {} if criterion.forces_of_rates else {"g": criterion.written, "written": ""}
     if found := re.match(r"narrow (\w+) to (?:(min|max) = (\S+)|what is > 0)", action):
         name, end, value = found.groups()
@@ -130,7 +143,7 @@ def changed(criterion: Criterion, action: str) -> Criterion:
     if action.startswith("ask for"):
         ranges = {name: dict(re.findall(r"(min|max) = ([^ ,}]+)", ends)) for name, ends in re.findall(r"(\w+) = \{ (.*?) \}", action)}
         more["domain"] = {**criterion.domain, **{name: Domain.between(ends.get("min"), ends.get("max")) for name, ends in ranges.items()}}
-    if found := re.match(r"write (.*) for (.*): K (?:stays|is) the same", action):
+    if found := re.match(r"write (.*) for (.*)(?:: K (?:stays|is) the same|(?<! in psi), which is the same)", action):
         new, old = (parse(written_out(criterion, text)) for text in found.groups())
         read = without_angles(parse(criterion.written))
         assert old in read.parts(), action

@@ -13,14 +13,17 @@ from duhem import Criterion, Verdict, verify
 from duhem.expression.abbreviations import Stress
 from duhem.law.domain import POSITIVE, Domain
 from duhem.law.formula_law import YieldSurface
+from duhem.law.state import Variable
 from duhem.proof.certificate import law_as_text
 from duhem.proof.facts.formula_subject import FormulaSubject
+from duhem.proof.kernel.curvature import within_ranges
 from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.kernel.term import parse
 from duhem.proof.unsettled import trials
-from duhem.proof.unsettled.forms import other_forms
+from duhem.proof.unsettled.forms import equal_forms, other_forms
 from duhem.proof.unsettled.limits import keeps_k, same_points, with_values
 from duhem.proof.unsettled.term_text import in_text
+from duhem.proof.unsettled.trials import Rewriting
 from tests.oracles import drawn_formulas
 from tests.proof.test_open_claims import ANY, AT_LEAST_0, changed, law, opened
 
@@ -143,9 +146,9 @@ def test_a_form_of_which_other_claims_are_open_says_so() -> None:
 
 def test_another_form_keeps_the_flow_of_the_law_and_joins_its_surfaces() -> None:
     own = law_as_text(law("norm(a, b) - m*sqrt(1 - a)", {"m": POSITIVE}, potential="norm(a, b)"))
-    assert own["flow"] and trials._changed(own, "a - 1", {}) == {**own, "g": "a - 1"}
+    assert own["flow"] and trials._changed(own, Rewriting("", "a - 1"), {}) == {**own, "g": "a - 1"}
     faces = law_as_text(Criterion("faces", forces=("a", "b"), pressure=None, surfaces=(YieldSurface("a - 1"), YieldSurface("b - 1"))))
-    assert "surfaces" in faces and "surfaces" not in trials._changed(faces, "max(a - 1, b - 1)", {})
+    assert "surfaces" in faces and "surfaces" not in trials._changed(faces, Rewriting("", "max(a - 1, b - 1)"), {})
 
 
 def test_what_a_formula_divides_by_may_depend_on_the_pressure_alone() -> None:
@@ -250,3 +253,42 @@ def test_no_line_of_forces_far_from_k_is_added_to_it(forces: tuple[str, ...], pa
     subject = FormulaSubject(Criterion("own", f"{part}/{divisor} + {size} - 1", {}, forces, None))
     assert not keeps_k(subject, f"{part} + {size}*{divisor} - {divisor}")
     assert keeps_k(subject, f"where({divisor} > 0, {part}/{divisor}, 0) + {size} - 1")
+
+
+@pytest.mark.parametrize(("al", "proved"), [("1", True), ("4/5", False)])
+def test_what_is_multiplied_by_0_needs_no_value_at_a_tip(al: str, proved: bool) -> None:
+    """The shape of the deviatoric section is a circle at al = 1, where cos(3 theta) is multiplied by 0."""
+    shape = "(2*al**4/(1 + al**4 + (1 - al**4)*cos3theta(s)))**(1/2)"
+    own = {"al": Domain.between("3/5", 1), "c": POSITIVE}
+    clay = law(f"3*J2(s) - {shape}*I1(s)*(c - I1(s))", own, (), stress=Stress("s", "principal"))
+    found = verify(clay, parameters={"al": al}, claims=["smoothness"], effort="quick")["smoothness"]
+    assert (found.verdict is Verdict.PROVED) is proved
+
+
+def test_of_several_parts_without_a_value_at_zero_force_each_is_given_one() -> None:
+    steel = law(
+        "q - k*(1 - c*(I1(s)/(3*q) - 1/3))*(1 - d*cos(lode(s)))".replace("q", "sqrt(3*J2(s))"),
+        {"k": POSITIVE, "c": Domain.between(0, "1/10"), "d": Domain.between(0, "1/10")}, (), stress=Stress("s", "principal"),
+    )  # fmt: skip
+    (action,) = opened(steel, "origin").actions
+    assert action.count("norm(s_1, s_2, s_3) > 0") == 2 and "lode(s), 0) for lode(s)" in action and "I1(s)" in action
+
+
+def test_a_product_of_an_energy_is_written_with_the_same_value() -> None:
+    own = {"k": POSITIVE, "H": POSITIVE, "t": POSITIVE, "c": AT_LEAST_0}
+    wear = law("abs(A) - k", own, "A", energy="H*(c*log(1 + c/t))", variables={"c": Variable("A")})
+    (action,) = opened(wear, "state_laws").actions
+    assert action.startswith("write t*(1 + c/t)*log(1 + c/t) - t*log(1 + c/t) for c*log(1 + c/t) in psi")
+    assert verify(changed(wear, action.partition(", which")[0]), claims=["state_laws"])["state_laws"].verdict is Verdict.PROVED
+
+
+@pytest.mark.parametrize(
+    "g", ["cosh(a)*cosh(b/2)*c", "exp(a)*exp(-b)*c - 1", "(2*a + 3)*log(1 + a/2)*c", "a*log(c + a) + cosh(a)*cosh(a + b)*cosh(b)"]
+)
+def test_equal_forms_have_the_same_values(g: str) -> None:
+    read, draw = StatedLaw.read(law_as_text(law(g, {"c": POSITIVE}))), Random(5)
+    forms = list(equal_forms(read.g, within_ranges(read)))
+    assert forms
+    for part, new in forms:
+        at = {"a": draw.uniform(0, 2), "b": draw.uniform(-2, 2), "c": draw.uniform(1, 2)}
+        assert math.isclose(drawn_formulas.value(read.g.put({part: new}), at), drawn_formulas.value(read.g, at), rel_tol=1e-12)

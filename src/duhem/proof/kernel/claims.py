@@ -253,11 +253,15 @@ def without_boundary(law: StatedLaw, _: Evidence) -> bool:
 
 
 def smoothness(law: StatedLaw, evidence: Evidence) -> bool:
-    """g is C^1 where g = 0, and has no minimum there: it is convex and somewhere negative; or K is convex and round at its ends."""
-    shape = _shape(law, evidence)
-    if not (_inside(law, evidence) or (not law.g.large and (degrees.falls_from_zero(law) or degrees.is_a_graph(law)))):
+    """g is C^1 where g = 0, and has no minimum there: it is convex and somewhere negative; or K is convex and round at its ends.
+
+    It may be convex in the ranges of the forces alone, which hold zero force, if it is negative there.
+    """
+    inside, within = _inside(law, evidence), within_ranges(law)
+    if not (inside or (not law.g.large and (degrees.falls_from_zero(law) or degrees.is_a_graph(law)))):
         return False
-    smooth = shape.defined and shape.convex and smooth_near_the_boundary(law.g, within_ranges(law))
+    shapes = (_shape(law, evidence), *([within.facts(law.g)] if inside and not evidence.get("inside") else []))
+    smooth = any(shape.defined and shape.convex for shape in shapes) and smooth_near_the_boundary(law.g, within)
     return smooth or (not law.g.large and round_at_its_ends(law))
 
 

@@ -306,10 +306,10 @@ class _Form(NamedTuple):
     def _power(self, base: Term, exponent: Term) -> Term:
         """(y^k)^p is y^(k p) for y >= 0 and |y|^(k p) for even k; even powers of sizes, and of norms, are polynomials."""
         p = number_in(self.domain.polynomial(exponent)) if self.domain.constant(exponent) else None
-        if p is None or p == 0:
+        if p is None:
             return self._power_of_power(base, exponent)
-        if p == 1:
-            return base
+        if p in (0, 1):
+            return base if p else number(1)
         if self.collects and p.denominator == 1 and p > 1 and (parts := self._ramps(base)):
             return added([product_of(self._power_of_constant(c, int(p)), Term("**", (ramp, number(p)))) for c, ramp in parts])
         if self.collects and base.op == "+" and p.denominator == 1 and p > _HIGHEST:
@@ -430,7 +430,7 @@ class _Form(NamedTuple):
         for f in factors(term):
             known = number_in(self.domain.polynomial(f)) if self.domain.constant(f) else None
             value, others = (value, [*others, f]) if known is None else (value * known, others)
-        return scaled(number(value), tuple((f, 1) for f in others))
+        return scaled(number(value), tuple((f, 1) for f in others)) if value else _ZERO
 
     def _with_sizes(self, poly: Polynomial) -> Polynomial:
         """Ramps that are added up as sizes: pos(d) is (|d| + d)/2, neg(d) is (|d| - d)/2."""

@@ -19,7 +19,8 @@ from dataclasses import dataclass
 
 from duhem.proof.kernel.definedness import sign_on_axis
 from duhem.proof.kernel.domain import ANY, NEGATIVE, POSITIVE, ZERO, Sign, StatedDomain
-from duhem.proof.kernel.polynomial import Polynomial
+from duhem.proof.kernel.identity import multiplied_through
+from duhem.proof.kernel.polynomial import Polynomial, written
 from duhem.proof.kernel.semidefinite import zero_with
 from duhem.proof.kernel.spectrum import freed_of_eigenvalues, freed_of_roots
 from duhem.proof.kernel.term import NotWritten, Term, minus, number
@@ -51,8 +52,7 @@ def smooth_near_the_boundary(law_g: Term, domain: StatedDomain) -> bool:
 def _kinks_off_the_boundary(g: Term, domain: StatedDomain) -> Iterator[Switch]:
     """Those of |x|, pos x and neg x with x = 0 where g is not 0."""
     for part in dict.fromkeys(() if g.large else (part for part in g.parts() if part.op in ("abs", "pos", "neg"))):
-        there = domain.facts(g.put({part: number(0)}))
-        if there.defined and there.sign in (NEGATIVE, POSITIVE):
+        if _sign(g.put({part: number(0)}), domain) in (NEGATIVE, POSITIVE):
             yield _switch(part.args[0], domain)
 
 
@@ -80,12 +80,18 @@ def _signs_at(tip: Term, term: Term, domain: StatedDomain) -> tuple[Sign, Sign]:
 
 
 def _sign_without(term: Term, tip: Term, domain: StatedDomain) -> Sign:
-    """That of the term with the tip put to 0, and what is 0 with it, where that is a constant: so it is wherever the tip is 0."""
+    """That of the term with the tip put to 0, and what is 0 with it: so it is wherever the tip is 0."""
     put = term.put({tip: number(0)})
-    if not domain.constant(put):
-        put = put.put(dict.fromkeys(zero_with(tip, domain), number(0)))
-    rest = domain.facts(put)
-    return rest.sign if rest.defined and domain.constant(put) else ANY
+    return _sign(put if domain.constant(put) else put.put(dict.fromkeys(zero_with(tip, domain), number(0))), domain)
+
+
+def _sign(term: Term, domain: StatedDomain) -> Sign:
+    """That of a term; where forces have ranges also by that of the term times what it divides by, which is > 0."""
+    known = domain.facts(term)
+    with suppress(NotWritten):
+        if domain.sides and known.defined and known.sign not in (NEGATIVE, POSITIVE):
+            return domain.sign(written(multiplied_through(domain.polynomial(term), domain, signed=True)))
+    return known.sign if known.defined else ANY
 
 
 def _switch(term: Term, domain: StatedDomain) -> Switch:

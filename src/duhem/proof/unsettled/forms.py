@@ -2,6 +2,8 @@
 
 A root by itself on one side: x <= c u^e, with c > 0 and 0 < e < 1, says the same as (pos(x)/c)^(1/e) <= u, for u >= 0 where u^e has a
 value.  Divided by a factor > 0 of one of its terms a sum keeps its sign.
+A product of two cosh is a sum of two, a product of exponentials one, and x log u is c u log u + d log u for x = c u + d: these have the
+value that they had.
 Of the others it depends on the law whether K stays the same, which is looked at in floats: the root for a power e > 1 by itself; a
 division by what may have any sign; powers put together, which may have a value
 where their factors have none; a product with a choice by a sign as one term for each side; one formula of a choice without its condition.
@@ -11,16 +13,18 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import suppress
+from fractions import Fraction
 
 from duhem.proof.kernel.curvature import within_ranges
 from duhem.proof.kernel.deviatoric import deviatoric_readers
 from duhem.proof.kernel.domain import NEGATIVE, POSITIVE, StatedDomain, gap
-from duhem.proof.kernel.forms import degree_at_most
+from duhem.proof.kernel.forms import degree_at_most, share_and_rest
+from duhem.proof.kernel.normal_form import added, scaled
 from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.kernel.term import COMPARISONS, NotWritten, Term, factors, minus, number, product_of, sum_of
 from duhem.proof.unsettled.limits import short, split, times
 
-__all__ = ["other_forms"]
+__all__ = ["equal_forms", "other_forms"]
 
 _ZERO, _ONE = number(0), number(1)
 
@@ -37,6 +41,29 @@ def other_forms(read: StatedLaw) -> Iterator[tuple[Term, Term, bool]]:
                 yield from ((part, new, False) for new in (*_without_brackets(part, domain), *_by_sides(part, domain)))
             if part.op == "where" and not domain.constant(part):
                 yield from ((part, new, False) for new in _without_condition(part))
+
+
+def equal_forms(term: Term, domain: StatedDomain) -> Iterator[tuple[Term, Term]]:
+    """A product in a formula, and a sum or product that has its value wherever it has one."""
+    for part in (part for part in term.parts() if part.op == "*"):
+        with suppress(NotWritten):
+            yield from ((part, new) for new in _equal(factors(part), domain))
+
+
+def _equal(own: list[Term], domain: StatedDomain) -> Iterator[Term]:
+    """cosh a cosh b as (cosh(a + b) + cosh(a - b))/2, exp a exp b as exp(a + b), (c u + d) log u as c u log u + d log u."""
+    for word in ("cosh", "exp"):
+        if len(two := [f for f in own if f.op == word and not domain.constant(f)][:2]) == 2:
+            a, b = (f.args[0] for f in two)
+            both = [Term(word, (added([a, other]),)) for other in ((b, minus(b)) if word == "cosh" else (b,))]
+            half = [number(Fraction(1, 2))] if word == "cosh" else []
+            yield _times(*half, *(f for f in own if f not in two), added(both))
+    for log in (f for f in own if f.op == "log" and not domain.constant(f)):
+        x, fixed = ([f for f in own if f is not log and domain.constant(f) is still] for still in (False, True))
+        u = log.args[0]
+        if len(x) == 1 and (split := share_and_rest(domain.polynomial(x[0]), domain.polynomial(u), domain)) and split[1]:
+            c, d = (added([scaled(number(k), m) for m, k in sorted(poly.items())]) for poly in split)
+            yield _times(*fixed, added([_times(c, u, log), _times(d, log)]))
 
 
 def _root_alone(part: Term, domain: StatedDomain) -> Iterator[tuple[Term, bool]]:

@@ -5,10 +5,11 @@ Whether K stays what it was is looked at in floats, close to where the load is 0
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from fractions import Fraction
+from functools import partial
 from itertools import islice, product
 
 import numpy as np
@@ -26,46 +27,55 @@ from duhem.proof.kernel.identity import multiplied_out
 from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.kernel.term import NotWritten, Term, factors, number, product_of, sum_of
 from duhem.proof.search.boundary_points import scouts
-from duhem.proof.unsettled.ranges import others_at
+from duhem.proof.unsettled.ranges import others_at, places_in_ranges
 from duhem.proof.unsettled.term_text import Names, in_text
 
-__all__ = ["keeps_k", "named_around", "same_points", "short", "split", "times", "with_values"]
+__all__ = ["holds_a_place", "keeps_k", "named_around", "same_points", "short", "split", "times", "with_values"]
 
 _MOST = 4  # parts in one formula, and ways to choose each
 _CHOICES, _DRAWN, _MOVES = 2, 24, 30  # of parameters; of places, and around each; to a zero of a size
 _NEAR, _TINY, _SAME, _ROUNDING = 1e-6, 1e-11, 1e-3, 1e-9
 _MANY, _SCALES = 4000, (0.9, 0.99, 0.999, 1.001, 1.01, 1.1)  # points of many sizes; times points of the boundary
 _ZERO, _ONE = number(0), number(1)
+_OF_DEGREE_ONE = ("abs", "norm", "pos", "neg", "max", "min")  # of what is multiplied by a size they are multiplied by it
 
 
 def with_values(read: StatedLaw, names: Names) -> Iterator[tuple[str, Term]]:
-    """What to write, and g then: 0 for parts without a value, from the smallest to the largest, in g and in g times what it divides by."""
-    domain, seen = within_ranges(read), set[Term]()
-    if (first := Reader(domain).undecided(read.g)) is None:
+    """What to write, and g then: 0 for parts without a value, from the smallest to the largest, in g and in g times what it divides by.
+
+    At last it is so at zero force alone: K may end where other loads are 0.
+    """
+    domain, seen = within_ranges(read), {read.g}
+    if Reader(domain).undecided(read.g) is None:
         return
-    tip = _tip(read.g, domain)
-    _, size, power = tip or (first, _ONE, _ZERO)
-    for start, rank in product((read.g, times(read.g, size, power, domain)) if tip else (), range(_MOST)):
-        g, put = start, list[tuple[Term, Term]]()
-        while (tip := _tip(g, domain)) is not None and len(put) < _MOST:
-            above = _above(start, tip[0], names)
-            x = above[min(rank, len(above) - 1)]
-            limit = Term("where", (Term(">", (tip[1], _ZERO)), x, _ZERO))
-            if (changed := g.put({x: limit})) == g or any(x in other.parts() for _, other in put):
-                g = read.g  # what is put in has that part again
+    _, size, power = (tip := _tip(read.g, domain)) or (read.g, _ONE, _ZERO)
+    starts = (read.g, times(read.g, size, power, domain)) if tip else ()
+    ways: list[tuple[Term, Callable[[Term], tuple[Term, ...] | None]]] = [(start, partial(_tip, domain=domain)) for start in starts]
+    ways.append((read.g, partial(_none_at_zero, domain=domain)))
+    for (start, find), rank, first in product(ways, range(_MOST), (0, _MOST)):  # of the first part the smallest, or of all parts alike
+        g, put = start, dict[Term, Term]()
+        while (found := find(g)) is not None and len(put) < _MOST:
+            above = _above(start, found[0], names)
+            x = above[min(rank, len(above) - 1, rank if put else first)]
+            limit = Term("where", (Term(">", (found[1], _ZERO)), x, _ZERO))
+            if (changed := g.put({x: limit})) == g or any(x in own.parts() or own in x.parts() for own in put.values()):
+                g = read.g  # what is put in has that part again, or stands in it
                 break
-            g = changed
-            put.append((x, limit))
-        if g != read.g and g not in seen:
+            g, put[x] = changed, limit
+        if g not in seen:
             seen.add(g)
-            told = " and ".join(f"{in_text(limit, names)} for {in_text(x, names)}" for x, limit in put) + ", if you mean 0 there"
+            told = " and ".join(f"{in_text(limit, names)} for {in_text(x, names)}" for x, limit in put.items()) + ", if you mean 0 there"
             whole = f"{in_text(g, names)} for g, which is {in_text(_raised(size, power), names)} times g"
             yield f"write {told if start is read.g else whole}", g
-    loads = Term("norm", tuple(Term("name", name=force) for force in read.forces))
-    # K may end where other loads are 0: a value at zero force alone
-    for x in _above(read.g, first, names) if not domain.constant(first) else ():
-        limit = Term("where", (Term(">", (loads, _ZERO)), x, _ZERO))
-        yield f"write {in_text(limit, names)} for {in_text(x, names)}, if you mean 0 there", read.g.put({x: limit})
+
+
+def _none_at_zero(g: Term, domain: StatedDomain) -> tuple[Term, Term] | None:
+    """A part of a formula, as it is written, that is not shown to have a value at zero force, and the size of all forces."""
+    forces = tuple(Term("name", name=force) for force in domain.law.forces)
+    zero = dict.fromkeys(forces, _ZERO)
+    part = Reader(domain).undecided(g.put(zero))
+    own = (x for x in g.parts() if x.put(zero) == part and not domain.constant(x))
+    return next(((x, Term("norm", forces)) for x in own), None)
 
 
 def _tip(g: Term, domain: StatedDomain) -> tuple[Term, Term, Term] | None:
@@ -107,13 +117,19 @@ def times(term: Term, size: Term, power: Term, domain: StatedDomain) -> Term:
     if term.op == "**" and term.args[1] == power and power.op != "number":
         return Term("**", (times(term.args[0], size, _ONE, domain), power))
     rest, own = split(term, size, domain)
+    if term.op in _OF_DEGREE_ONE and _divides(term, size, domain) and not domain.facts(size).sign & NEGATIVE:
+        return term._replace(args=tuple(times(a, size, power, domain) for a in term.args))
     for x in rest:
-        divided = (split(y, size, domain)[1] for y in x.parts() if x != term and x.op in ("+", "**"))
-        if any(e.op == "number" and e.value < 0 for e in divided):
+        if x != term and x.op in ("+", "**", *_OF_DEGREE_ONE) and _divides(x, size, domain):
             outer = [] if own == _ZERO else [_raised(size, own)]
             return product_of(*(times(y, size, power, domain) if y is x else y for y in rest), *outer)
     left = short(multiplied_out(sum_of(own, power), domain))
     return product_of(*rest, *([] if left == _ZERO else [_raised(size, left)]))
+
+
+def _divides(term: Term, size: Term, domain: StatedDomain) -> bool:
+    """Whether a part of a term is divided by a size."""
+    return any(e.op == "number" and e.value < 0 for x in term.parts() for e in split(x, size, domain)[1:])
 
 
 def _raised(size: Term, power: Term) -> Term:
@@ -172,9 +188,7 @@ def same_points(subject: FormulaSubject, g: str) -> int:
     Among the points are zero force and many of which some forces are 0.
     """
     old, new, low, high = _both(subject, g)
-    rng, seen = np.random.default_rng(11), 0
-    drawn = rng.standard_normal((_MANY, len(low))) * 10.0 ** rng.uniform(-3, 3, (_MANY, 1))
-    drawn = np.concatenate([drawn, drawn * rng.integers(0, 2, drawn.shape), 0 * drawn[:1]])
+    drawn, seen = places_in_ranges(subject.law), 0
     for scout in scouts(subject, 2 * _CHOICES):
         near = [scale * scout.boundary for scale in _SCALES] if scout.boundary.shape[1] == len(low) else []
         points = np.clip(np.concatenate([drawn, *near]), low, high)
@@ -185,6 +199,13 @@ def same_points(subject: FormulaSubject, g: str) -> int:
             return 0
         seen += int(clear.sum())
     return seen
+
+
+@np.errstate(all="ignore")
+def holds_a_place(subject: FormulaSubject) -> bool:
+    """Whether g < 0 at a drawn place, for the first choice of parameters."""
+    run, points = compiled(subject.law.g, subject.law.symbols().values()), places_in_ranges(subject.law)
+    return any(np.any(run(*points.T, *others_at(subject, parameters)) < 0) for parameters in islice(subject.choices(1), 1))
 
 
 def _both(subject: FormulaSubject, g: str) -> tuple[Program, Program, NDArray[np.float64], NDArray[np.float64]]:

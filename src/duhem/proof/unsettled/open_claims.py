@@ -24,14 +24,17 @@ from duhem.proof.decide import Budget
 from duhem.proof.facts.formula_subject import FormulaSubject, RateSubject
 from duhem.proof.facts.graph_subject import GraphSubject
 from duhem.proof.facts.subject import Subject
+from duhem.proof.kernel.curvature import within_ranges
+from duhem.proof.kernel.state import epigraph
 from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.kernel.steps import TooDearError, within
-from duhem.proof.kernel.term import UNREADABLE, parse
+from duhem.proof.kernel.term import UNREADABLE, Term, parse
+from duhem.proof.search.boundary_points import scouts
 from duhem.proof.search.margins import least_margin
 from duhem.proof.unsettled.blocked import Blocked, blocked, required
-from duhem.proof.unsettled.forms import other_forms
-from duhem.proof.unsettled.limits import keeps_k, named_around, same_points, with_values
-from duhem.proof.unsettled.ranges import Ranges, around_the_boundary, boundary
+from duhem.proof.unsettled.forms import equal_forms, other_forms
+from duhem.proof.unsettled.limits import holds_a_place, keeps_k, named_around, same_points, with_values
+from duhem.proof.unsettled.ranges import Ranges, around_the_boundary
 from duhem.proof.unsettled.term_text import Names, in_text, names_of
 from duhem.proof.unsettled.trials import Attempts, Rewriting, that_help
 from duhem.proof.verdict import CONTRADICTION, Evidence, Unsettled, Verdict
@@ -148,8 +151,8 @@ class OpenClaims:
         """Forms of g with which K seems to be as it was, each made once."""
         if asked.subject not in self._forms:
             same, values = [*_same_k(asked, names)], [] if asked.claim == "duality" else _with_values(asked, names)
-            self._forms[asked.subject] = [*same[:1], *values, *same[1:]]
-        return self._forms[asked.subject]
+            self._forms[asked.subject] = [*_equal_forms(asked, names), *same[:1], *values, *same[1:]]
+        return [form for form in self._forms[asked.subject] if (form.of == "energy") == (asked.claim == "state_laws")]
 
 
 def _inequality(claim: str, law: Law) -> str:
@@ -165,10 +168,19 @@ def _quoted(found: Blocked, asked: _OpenClaim, names: Names) -> tuple[str, str]:
     text = in_text(found.part, names)
     if len(text) > _LONGEST:
         text = f"{text[: _LONGEST // 2]} ... {text[-_LONGEST // 2 :]}"
+    told, own = asked.text, [names[x] for x in found.part.parts() if x in names]
+    formulas = [told.get("g"), told.get("energy"), *(surface["g"] for surface in told.get("surfaces", ()))]
     with suppress(*UNREADABLE):
-        around = named_around(parse(asked.text["g"]), found.part, names) if "g" in asked.text else []
-        text += "".join(f" in {names[x]}" for x in around[:1] if "(" in str(names[x]))
+        around = [x for formula in map(parse, filter(None, formulas)) for x in _around(formula, found.part, names)]
+        words = any("(" in str(name) for name in own)  # a word for a tensor may be what another, or a definition, is made of
+        text += "".join(f" in {in_text(x, names)}" for x in around[:1] if words or "(" in in_text(x, names))
     return text, found.why
+
+
+def _around(formula: Term, part: Term, names: Names) -> list[Term]:
+    """The parts with a name that hold a part, the smallest first, after a softplus of which it is the exponential."""
+    softplus = (x for x in formula.parts() if x.op == "log" and part.op == "exp" and part in x.args[0].args)
+    return [*softplus, *named_around(formula, part, names)]
 
 
 def _with_values(asked: _OpenClaim, names: Names) -> Iterator[Rewriting]:
@@ -176,7 +188,21 @@ def _with_values(asked: _OpenClaim, names: Names) -> Iterator[Rewriting]:
     with suppress(*UNREADABLE, TooDearError), within(_STEPS):
         if "g" in asked.text and isinstance(asked.subject, FormulaSubject) and isinstance(read := StatedLaw.read(asked.text), StatedLaw):
             forms = (Rewriting(told, in_text(g, {}), at_tip=True) for told, g in with_values(read, names))
-            yield from (form for form in forms if keeps_k(asked.subject, form.g))
+            yield from (form for form in forms if keeps_k(asked.subject, form.written))
+
+
+def _equal_forms(asked: _OpenClaim, names: Names) -> Iterator[Rewriting]:
+    """Forms of the energy, of g and of a potential of rates that have the value that these have."""
+    with suppress(*UNREADABLE, TooDearError), within(_STEPS):
+        if "boundary" not in asked.text and isinstance(read := StatedLaw.read(asked.text), StatedLaw):
+            stored = epigraph(read)
+            for of, term, law in (("energy", read.energy, stored), ("g", read.g, read)):
+                if term is None or law is None:
+                    continue
+                for part, new in islice(equal_forms(term, within_ranges(law)), _MOST_FORMS):
+                    where = " in psi" if of == "energy" else ""
+                    told = f"write {in_text(new, names)} for {in_text(part, names)}{where}, which is the same"
+                    yield Rewriting(told, in_text(term.put({part: new}), {}), of=of)
 
 
 def _same_k(asked: _OpenClaim, names: Names) -> Iterator[Rewriting]:
@@ -212,13 +238,17 @@ def _with_k(asked: _OpenClaim, plain: Iterable[Mapping[str, Any]]) -> Iterator[M
 
 
 def _has_k(asked: _OpenClaim, values: Mapping[str, Any]) -> bool:
-    """Whether K has a boundary in floats with these values, or zero force is shown to lie in it: of an empty K much is proved."""
+    """Whether K has a boundary or a place inside in floats with these values, or zero force is shown to lie in it, and none of them is 0.
+
+    Of an empty K much is proved, and with a value 0 K may be zero force alone.
+    """
     law, origin = asked.law, asked.settled.get("origin")
-    known = asked.claim in _OF_ANY_K or (origin is not None and origin.verdict is Verdict.PROVED)
+    known = asked.claim in _OF_ANY_K or (origin is not None and origin.verdict is Verdict.PROVED and all(values.values()))
     if known or not isinstance(law, Criterion) or law.forces_of_rates or law.viscous:
         return True
     with suppress(InputError):
-        return len(boundary(FormulaSubject(law.fix(values)))) > 0
+        there = FormulaSubject(law.fix(values))
+        return holds_a_place(there) or any(len(found.boundary) for found in scouts(there, 1))
     return False
 
 
@@ -273,7 +303,10 @@ def _closest(asked: _OpenClaim) -> tuple[Mapping[str, str], str | None, float | 
     subject = asked.subject
     if not isinstance(subject, FormulaSubject) or isinstance(subject, RateSubject) or subject.of.viscous:
         return {}, None, None  # there is no K
-    if (found := least_margin(asked.claim, subject)) is None:
+    found = None
+    with suppress(InputError):  # a number in the law is beyond those of floats
+        found = least_margin(asked.claim, subject)
+    if found is None:
         return {}, None, None
     place = subject.named(subject.values_at(found.scout.parameters, tuple(Fraction(float(x)) for x in found.scout.boundary[found.place])))
     margin = float(f"{found.value:.3g}") if abs(found.value) > _NOISE else 0.0

@@ -13,10 +13,11 @@ from numpy.typing import NDArray
 
 from duhem.expression.numpy_ import Program, compiled
 from duhem.law.domain import REAL
+from duhem.law.formula_law import Criterion
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.facts.subject import Values
 
-__all__ = ["Ranges", "around_the_boundary", "boundary", "others_at"]
+__all__ = ["Ranges", "around_the_boundary", "others_at", "places_in_ranges"]
 
 Ranges = dict[str, dict[str, str]]  # the ends of each force and of the pressure, as a criterion file has them
 _MOST_FORCES = 3  # that the kernel's boxes have
@@ -29,7 +30,7 @@ _PRESSURE = {"min": "-1.1", "max": "-0.9"}
 def around_the_boundary(subject: FormulaSubject) -> Iterator[Ranges]:
     """Ranges that hold most of the boundary; those that keep away from 0; some around one point, where no two forces are equal, or 0."""
     law = subject.law
-    points = boundary(subject) if len(law.forces) <= _MOST_FORCES else np.zeros((0, 0))
+    points = _boundary(subject) if len(law.forces) <= _MOST_FORCES else np.zeros((0, 0))
     if not len(points):
         return
     sizes = np.linalg.norm(points, axis=1)
@@ -56,18 +57,25 @@ def _short(x: float) -> str:
 
 
 @np.errstate(all="ignore")  # where a formula has no value it is nan, or infinite
-def boundary(subject: FormulaSubject) -> NDArray[np.float64]:
+def _boundary(subject: FormulaSubject) -> NDArray[np.float64]:
     """Points of the boundary, of all sizes, between places inside and outside."""
     law, rng = subject.law, np.random.default_rng(3)
-    run = compiled(law.g, law.symbols().values())
-    low, high = np.array([law.domain.get(name, REAL).ends for name in law.forces]).T
-    drawn = rng.standard_normal((_MANY, len(low))) * 10.0 ** rng.uniform(-3, 3, (_MANY, 1))
-    both, below, above = np.isfinite(low) & np.isfinite(high), np.isfinite(low), np.isfinite(high)
-    inside = low + rng.random(drawn.shape) * (high - low)
-    drawn = np.where(both, inside, np.where(below, low + np.abs(drawn), np.where(above, high - np.abs(drawn), drawn)))
+    run, drawn = compiled(law.g, law.symbols().values()), places_in_ranges(law)
     drawn = drawn[np.argsort(np.linalg.norm(drawn, axis=1))]
     chosen = islice(subject.choices(_CHOICES), _CHOICES)
     return np.concatenate([drawn[:0], *(_between(run, drawn, others_at(subject, parameters), rng) for parameters in chosen)])
+
+
+@np.errstate(invalid="ignore")  # of ranges without an end
+def places_in_ranges(law: Criterion) -> NDArray[np.float64]:
+    """Drawn places of many sizes, some of whose forces are 0, and zero force, as far as the ranges of the forces allow that."""
+    rng, (low, high) = np.random.default_rng(11), np.array([law.domain.get(name, REAL).ends for name in law.forces]).T
+    drawn = rng.standard_normal((_MANY, len(low))) * 10.0 ** rng.uniform(-3, 3, (_MANY, 1))
+    drawn = np.concatenate([drawn, drawn * rng.integers(0, 2, drawn.shape), 0 * drawn[:1]])
+    both, below, above = np.isfinite(low) & np.isfinite(high), np.isfinite(low), np.isfinite(high)
+    inside = low + rng.random(drawn.shape) * (high - low)
+    within = np.where(both, inside, np.where(below, low + np.abs(drawn), np.where(above, high - np.abs(drawn), drawn)))
+    return np.where(drawn == 0, np.clip(0.0, low, high), within)
 
 
 def _between(run: Program, places: NDArray[np.float64], others: list[float], rng: np.random.Generator) -> NDArray[np.float64]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from fractions import Fraction
@@ -22,7 +23,8 @@ _HALF, _ONE, _ZERO = (number(Fraction(n, 2)) for n in (1, 2, 0))
 
 def names_of(law: Law) -> Names:
     """What the law calls parts of its formulas: its definitions, and the invariants of its stress."""
-    texts = dict(law.define.short.formulas) if isinstance(law, Criterion) and isinstance(law.define, Definitions) else {}
+    short = law.define.short.formulas if isinstance(law, Criterion) and isinstance(law.define, Definitions) else {}
+    texts = {re.sub("__([0-9]+)", r"[\1]", name): text for name, text in short.items()}  # an entry of a list
     if isinstance(law, Criterion) and law.stress is not None:
         for word, own in INVARIANTS.items():
             for i in range(1, 3 if law.stress.kind == "plane" else 4) if own.indexed else (None,):
@@ -52,6 +54,8 @@ def _text(term: Term, names: Names) -> tuple[str, int]:
         return _text(known, names) if isinstance(known, Term) else (known, _ATOM)
     if term.op == "number":
         return str(term.value), _SUM if term.value < 0 else _ATOM if term.value.denominator == 1 else _PRODUCT
+    if [term.op, *(x.op for a in term.args[:1] for x in (a, *a.args))] == ["log", "+", "number", "exp"] and term.args[0].args[0] == _ONE:
+        return f"softplus({in_text(term.args[0].args[1].args[0], names)})", _ATOM
     if term.op == "+":
         first, *rest = [a for a in term.args if a != _ZERO] or [_ZERO]
         if not rest:

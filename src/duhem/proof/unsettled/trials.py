@@ -43,15 +43,16 @@ _LONGEST = 120  # letters of a constraint
 _CURVES = ("curvature-in-a-box",)
 _IN_BOXES = {"convexity": _CURVES, "normality": _CURVES, "smoothness": ("slope-in-a-box",), "dissipation": ("power-in-a-box",)}
 _MOST_FORCES = 3  # of a law that may be meant for one sign of a force
-_MOST_FORMS, _MOST_SINGLE, _MOST_SIGNS = 2, 2, 8  # beside g itself; of parameters that are 0; of constants whose sign is asked
+_MOST_FORMS, _MOST_SIGNS = 2, 8  # beside g itself; of constants whose sign is asked
 
 
 class Rewriting(NamedTuple):
-    """What to write, and g then; ``at_tip`` where a part without a value at a tip of K has one in it."""
+    """What to write, and the formula ``of`` the law then, g or the energy; ``at_tip`` where a part without a value has one in it."""
 
     told: str
-    g: str
+    written: str
     at_tip: bool = False
+    of: str = "g"
 
 
 @dataclass
@@ -94,16 +95,17 @@ def that_help(
         asked.steps = _A_KIND
         if blocked is not None and (best := next((each for each in kind(law, blocked, choices) if way(each[1])), None)) is not None:
             found.append(asked.keep(*best))
-    found = found or _with_least_lost(law, ((form.told, _changed(law, form.g, {})) for form in forms()), asked)
+    found = found or _with_least_lost(law, ((form.told, _changed(law, form, {})) for form in forms()), asked)
     part = frozenset[str]() if blocked is None else blocked.part.names().union(*(c.names() for c in blocked.signs))
     if found or refuted:
         return [*found, *refuted]
     known, asked.steps = [*choices(_choices(law))], _A_KIND
     # where g has no value at a tip, it is no parameter that is to blame; a closed form takes long to look for
     alone = () if any(form.at_tip for form in forms()) or not known or claim == "duality" else sorted(known[0])
-    moved = _moved(law, part) if claim == "smoothness" and "g" in law else ()  # nothing else of a moved K is true of K itself
-    beside = (told for told, changed in moved if asked(changed))
-    if found := _narrowed(law, alone, known, {}, asked) or [*islice(beside, 1)]:
+    beside = (told for told, changed in _beside_tips(law, part, forms()) if asked(changed)) if claim == "smoothness" else ()
+    found = _narrowed(law, alone, known, {}, asked) or _switched(law, forms(), part, known, choices, asked)
+    asked.steps = _A_KIND
+    if found := found or [*islice(beside, 1)]:
         return found
     boxed = _boxed(law, known[:_MOST_BOXED] or ({},), ranges, asked)  # before what takes most steps
     return _settling(law, forms(), part, known, choices, asked) or boxed
@@ -218,7 +220,9 @@ def _ranges(law: Text, blocked: Blocked, _: Choices) -> Iterator[tuple[str, Text
 def _moved(law: Text, part: frozenset[str]) -> Iterator[tuple[str, Text]]:
     """Yield K moved along a load of a part by a parameter > 0: what is smooth then is so wherever the load is not 0."""
     g, ranges = parse(law["g"]), law.get("domain", {})
-    for force, (side, sign) in product(sorted(part & {*law["forces"]}), (("min", "+"), ("max", "-"))):
+    for force, (side, sign) in product(sorted(law["forces"], key=lambda x: x not in part), (("min", "+"), ("max", "-"))):
+        if force not in ranges and (force not in part or len(part & {*law["forces"]}) > 1):
+            continue
         x, end, own = Term("name", name=force), Term("name", name=f"{force}_end"), ranges.get(force, {"min": "0"})
         if str(own.get(side)) == "0" and end.name not in law["parameters"]:
             moved = in_text(g.put({x: sum_of(x, end if sign == "+" else minus(end))}), {})
@@ -229,19 +233,50 @@ def _moved(law: Text, part: frozenset[str]) -> Iterator[tuple[str, Text]]:
             yield f"{told}: what is proved then is so of K wherever {force} is not 0", changed
 
 
+def _beside_tips(law: Text, part: frozenset[str], forms: Sequence[Rewriting]) -> Iterator[tuple[str, Text]]:
+    """K, or K by another form of g, moved from where a load is 0: nothing but smoothness of a moved K is true of K itself."""
+    for form in (None, *forms[:_MOST_FORMS]) if "g" in law else ():
+        for told, changed in _moved(_changed(law, form, {}), part):
+            yield f"{form.told}, and then {told}" if form else told, changed
+
+
+def _switched(
+    law: Text, forms: Sequence[Rewriting], part: frozenset[str], known: Sequence[Choice], choices: Choices, asked: _Asked
+) -> list[str]:
+    """One parameter at a plain value, at 1, at an end of its range or at 0, at which the claim is proved whatever the others are.
+
+    An effect that is gone at 0 says least.
+    """
+    asked.steps = _A_KIND
+    for form, choice in product((None, *forms[:1]), known[:1]):
+        for x in sorted(choice, key=lambda x: x not in part):
+            own = Bounds.read(law["parameters"][x])
+            ends = (choice[x], Fraction(1), *(end for end in (own.high, own.low) if end))
+            for value in (value for value in dict.fromkeys((*ends, Fraction(0))) if own.holds(value)):
+                changed, there = _changed(law, form, {x: value}), {**choice, x: value}
+                if asked(changed) and _inhabits(there, law) and next(iter(choices([there])), None) == there:
+                    if form and asked.decided(_with(law, {x: value})) is Verdict.PROVED:
+                        return [_said("", {x: value}, Verdict.PROVED)]
+                    return [asked.keep(" and ".join(filter(None, (form and form.told, settings({x: value})))), changed)]
+    return []
+
+
 def _settling(
     law: Text, forms: Sequence[Rewriting], part: frozenset[str], known: Sequence[Choice], choices: Choices, asked: _Asked
 ) -> list[str]:
     """A form of g, or g with the fewest parameters fixed or narrowed at plain values, of which the claim is proved or refuted."""
-    bases, zero = (("", None), *(form[:2] for form in forms[:_MOST_FORMS])), Fraction(0)
-    single = ({**choice, x: zero} for choice in known[:1] for x in choice if choice[x] and Bounds.read(law["parameters"][x]).holds(zero))
-    for values in ({}, *known[:_MOST_FIXED], *islice(choices(single), _MOST_SINGLE)):  # an effect that is switched off says least
-        for told, g in bases if values else bases[1:]:
+    own = {x: Bounds.read(domain) for x, domain in law["parameters"].items()}
+    alike: list[Choice] = [
+        {x: end if own[x].holds(end) else choice[x] for x in choice} for choice in known[:1] for end in map(Fraction, (0, 1))
+    ]
+    alike = [*islice(choices(each for each in alike if _inhabits(each, law)), len(alike))]
+    for values in ({}, *known[:1], *alike, *known[1:_MOST_FIXED]):
+        for form in (None, *forms[:1]) if values else forms[:_MOST_FORMS]:
             asked.steps = _A_KIND
-            if (verdict := asked.decided(_changed(law, g, values))) is Verdict.REFUTED:
-                return [_said(told, values, verdict)]
+            if (verdict := asked.decided(_changed(law, form, values))) is Verdict.REFUTED:
+                return [_said(form.told if form else "", values, verdict)]
             if verdict is Verdict.PROVED:
-                return [_with_fewest(law, told, g, values, part, asked)]
+                return [_with_fewest(law, form, values, part, asked)]
     return []
 
 
@@ -267,20 +302,21 @@ def _boxed(law: Text, known: Sequence[Choice], ranges: Callable[[Choice], Iterab
     return []
 
 
-def _with_fewest(law: Text, told: str, g: str | None, fixed: Choice, part: frozenset[str], asked: _Asked) -> str:
+def _with_fewest(law: Text, form: Rewriting | None, fixed: Choice, part: frozenset[str], asked: _Asked) -> str:
     """What is proved with values fixed, with as few of them as may be, those of a ``part`` the longest, and one of these narrowed."""
+    told = form.told if form else ""
     others = [name for name in fixed if name not in part]  # an effect that is gone at 0 is the likeliest that matters
     ways = ([name for name in others if fixed[name]], others, *([x] for x in sorted(fixed, key=lambda x: (not fixed[x], x in part))))
     for freed in ways:
         fewer = {x: value for x, value in fixed.items() if x not in freed}
-        if fewer != fixed and (fewer or g is not None) and asked.decided(_changed(law, g, fewer)) is Verdict.PROVED:
+        if fewer != fixed and (fewer or form) and asked.decided(_changed(law, form, fewer)) is Verdict.PROVED:
             fixed = fewer
     for name in fixed if "boundary" not in law else ():  # to read a curve takes long
         more = {x: value for x, value in fixed.items() if x != name}
-        if found := _narrowed(_changed(law, g, {}), [name], [fixed], more, asked):
+        if found := _narrowed(_changed(law, form, {}), [name], [fixed], more, asked):
             return " and ".join(filter(None, (told, *found)))
     said = _said(told, fixed, Verdict.PROVED)
-    asked.tried.helped[said] = _changed(law, g, fixed)
+    asked.tried.helped[said] = _changed(law, form, fixed)
     return said
 
 
@@ -335,10 +371,12 @@ def _inhabits(choice: Choice, law: Text) -> bool:
     return False
 
 
-def _changed(law: Text, g: str | None, fixed: Choice) -> Text:
-    """The law with another g, and fixed parameters."""
-    of_one = {key: own for key, own in {"flow": None, **law, "g": g}.items() if key != "surfaces"}
-    return _with(law if g is None else of_one, fixed)
+def _changed(law: Text, form: Rewriting | None, fixed: Choice) -> Text:
+    """The law with another formula, and fixed parameters."""
+    if form is None:
+        return _with(law, fixed)
+    changed = {"flow": None, **law, form.of: form.written}
+    return _with({key: own for key, own in changed.items() if form.of != "g" or key != "surfaces"}, fixed)
 
 
 def _with(law: Text, fixed: Choice) -> Text:
