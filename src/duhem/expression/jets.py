@@ -231,7 +231,6 @@ def _atan2(node: Any, y: Jet, x: Jet) -> Jet:
     hessian = added(times(c / size, y.hessian), times(-s / size, x.hessian))
     if gradient is not None:  # the angle turns as the size grows
         growth = added(times(c / size, x.gradient), times(s / size, y.gradient))
-        assert growth is not None
         cross = outer(gradient, growth)
         hessian = added(hessian, -(cross + np.swapaxes(cross, 1, 2)))
     return Jet(value, gradient, hessian, order)
@@ -269,15 +268,12 @@ def _p_norm(p: float, value: Any, args: tuple[Jet, ...], turning: bool = True) -
 
 
 def _abs(_: Any, index: int, noted: _Met, x: Jet) -> Jet:
-    side = noted.choose(index, np.where(x.value < 0, -1, 1))
-    return _chain_linear(x, side.astype(np.float64))
+    return _chain_linear(x, noted.choose(index, np.where(x.value < 0, -1, 1)).astype(np.float64))
 
 
 def _ramp(node: Any, index: int, noted: _Met, x: Jet) -> Jet:
     # at 0 the piece beyond it, for pos and neg alike: where both took the zero piece, their law would lose its curvature
-    rising = x.value >= 0 if node.slope > 0 else x.value < 0
-    side = noted.choose(index, rising)
-    slope = side.astype(np.float64)
+    slope = noted.choose(index, x.value >= 0 if node.slope > 0 else x.value < 0).astype(np.float64)
     return _chain_linear(x, slope if node.slope == 1 else node.slope * slope)
 
 
@@ -287,13 +283,12 @@ def _chain_linear(x: Jet, slope: Array) -> Jet:
 
 def _extreme(node: Any, index: int, noted: _Met, *args: Jet) -> Jet:
     sense = 1 if isinstance(node, sp.Max) else -1
-    values = np.broadcast_arrays(*(sense * a.value for a in args), noted.taken[:, index])[:-1]
+    values = np.broadcast_arrays(*(sense * a.value for a in args))
     return _select(noted.choose(index, np.argmax(np.stack(values), axis=0)), args)
 
 
 def _where(_: Any, index: int, noted: _Met, condition: Jet, then: Jet, otherwise: Jet) -> Jet:
-    holds = np.broadcast_to(condition.value == 1.0, noted.taken[:, index].shape)
-    return _select(noted.choose(index, np.where(holds, 0, 1)), (then, otherwise))
+    return _select(noted.choose(index, np.where(condition.value == 1.0, 0, 1)), (then, otherwise))
 
 
 def _select(which: NDArray[Any], args: tuple[Jet, ...]) -> Jet:
@@ -439,7 +434,7 @@ def _eigmax(_: Any, index: int, noted: _Met, *entries: Jet) -> Jet:
     low, middle, n = np.moveaxis(vectors, -1, 0)
     value, order = values[..., -1], least_order(entries)
 
-    def along(m: Array, derivatives: Iterable[Array | None]) -> Array | None:
+    def along(m: Array, derivatives: Iterable[Any]) -> Any:
         """n . (dA) m."""
         weights = [n[..., i] * m[..., i] for i in range(3)]
         weights += [n[..., i] * m[..., j] + n[..., j] * m[..., i] for i, j in ((1, 2), (0, 2), (0, 1))]
@@ -450,9 +445,7 @@ def _eigmax(_: Any, index: int, noted: _Met, *entries: Jet) -> Jet:
     if gradient is None or order == 1:
         return Jet(value, gradient, None, order)
     hessian = along(n, (a.hessian for a in entries))
-    turns = along(low, gradients), along(middle, gradients)
-    assert turns[0] is not None and turns[1] is not None
-    noted.shifted[index] = _Axes(values, (turns[0], turns[1]), _steepness(entries))
+    noted.shifted[index] = _Axes(values, (along(low, gradients), along(middle, gradients)), _steepness(entries))
     return Jet(value, gradient + noted.shift(gradient, index), hessian, order)
 
 

@@ -214,8 +214,7 @@ def _project(
         for quadrant in range(4):  # one by one: their constants are numbers, not one a point
             here = far & (negative[0] == bool(quadrant & 1))
             here &= negative[1] == bool(quadrant & 2)
-            at = np.flatnonzero(here)
-            if at.size:
+            if (at := np.flatnonzero(here)).size:
                 _slipped(at, quadrant, block, quarters, stress, slip, multiplier)
         return
     quadrant = negative[0] + 2 * negative[1]
@@ -322,12 +321,7 @@ def _straight(t: Array, e: Array, quadrant: Any, quarters: Quarters) -> Found:
         v1, v2 = _FORMULAS.direction(first, second, _either(swapped, l1, l2), e, ratio)
         w1, w2 = _either(swapped, v2, v1), _either(swapped, v1, v2)
     z = _FORMULAS.multiplier(f, _either(swapped, w2, w1), _either(swapped, w1, w2), e, ratio)
-    return kept, (_towards(w1, t[:, 0], quadrant & 1), _towards(w2, t[:, 1], quadrant & 2)), z, quadrant
-
-
-def _towards(w: Array, trial: Array, negative: Any) -> Array:
-    """``w`` >= 0 with the sign of the trial, which is ``negative`` where all are of one quadrant."""
-    return np.copysign(w, trial) if np.ndim(negative) else np.negative(w) if negative else w
+    return kept, (np.copysign(w1, t[:, 0]), np.copysign(w2, t[:, 1])), z, quadrant
 
 
 def _oblique(t: Array, e: Array, quadrant: NDArray[np.intp], quarters: Quarters) -> Found:
