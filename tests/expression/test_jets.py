@@ -8,6 +8,7 @@ import sympy as sp
 
 import duhem
 from duhem.expression.jets import formula
+from duhem.expression.vocabulary import Atan2, EigMax, Neg, Norm, Pos, Where
 from tests.oracles.optimality import CONVEX, R, increment
 
 
@@ -40,6 +41,28 @@ def test_first_derivatives_alone_are_the_same(law, values):
     np.testing.assert_array_equal(first.value, both.value)
     np.testing.assert_array_equal(pieces, same)
     assert first.hessian is None and both.hessian is not None
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "Max(a, 2*b, 1)", "Min(a*b, c, -a)", "Where(a > b, a*c, 3)", "Where(a > 0, 5, Where(b > c, b**3, c))", "Pos(a)*Neg(b) + Abs(c)",
+        "Norm(Pos(a) - Neg(a), b) + c*exp(a)", "Atan2(a, 2 + b**2)*c", "EigMax(a, b, 1, c, 0, a*b)", "2*a", "7", "a + a*b + b",
+    ],
+)  # fmt: skip
+def test_columns_of_first_derivatives_are_those_of_the_second(text):
+    names = sp.symbols("a b c", real=True)
+    words = {word.__name__: word for word in (Where, Pos, Neg, Norm, Atan2, EigMax)}
+    compiled = formula(sp.parse_expr(text, {**words, **dict(zip("abc", names, strict=True))}), names, ())
+    points = np.random.default_rng(3).standard_normal((60, 3))
+    both, pieces = compiled(points, ())
+    first, same = compiled(points, (), second=False)
+    np.testing.assert_array_equal(first.gradient, both.gradient)
+    np.testing.assert_array_equal(pieces, same)
+    step = 1e-6
+    for i, way in enumerate(np.eye(3)):
+        rise = compiled(points + step * way, (), second=False)[0].value - compiled(points - step * way, (), second=False)[0].value
+        np.testing.assert_allclose(first.gradient[:, i], rise / (2 * step), rtol=1e-7, atol=1e-7)
 
 
 def test_high_exponents_have_finite_slopes():

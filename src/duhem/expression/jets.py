@@ -35,28 +35,49 @@ __all__ = ["KINKED", "ROUNDING", "STEEPEST", "TABLE", "Choices", "Jet", "JetProg
 Array = NDArray[np.float64]
 
 
+_ONE = np.ones(())
+
+
+@dataclass(frozen=True)
+class _Columns:
+    """A gradient of which only some columns (N,) are not zero, by their places; that of a force itself is ``_ONE``."""
+
+    of: Mapping[int, Any]
+
+    def dense(self, n: int, d: int) -> Array:
+        """The gradient (n, d), column by column in memory."""
+        out = np.zeros((d, n))
+        for i, column in self.of.items():
+            out[i] = column
+        return out.T
+
+
 @dataclass(frozen=True)
 class Jet:
     """``value`` (N,), ``gradient`` (N, d) and ``hessian`` (N, d, d); None stands for zero.  ``order`` 1: no hessian is followed."""
 
     value: Array
-    gradient: Array | None = None
+    gradient: Any = None
     hessian: Array | None = None
     order: int = 2
 
 
-def times(factor: Any, array: Array | None) -> Array | None:
+def times(factor: Any, array: Any) -> Any:
     """``factor`` (N,) or a number times an array (N, ...)."""
     if array is None:
         return None
+    if isinstance(array, _Columns):
+        return _Columns({i: factor if column is _ONE else factor * column for i, column in array.of.items()})
     f = np.asarray(factor)
     return f.reshape(f.shape + (1,) * (array.ndim - f.ndim)) * array if f.ndim else f * array
 
 
-def added(first: Array | None, second: Array | None) -> Array | None:
+def added(first: Any, second: Any) -> Any:
     """The sum, where None is zero."""
     if first is None or second is None:
         return second if first is None else first
+    if isinstance(first, _Columns):
+        return _Columns({**first.of, **{i: first.of[i] + column if i in first.of else column for i, column in second.of.items()}})
     return first + second
 
 
@@ -98,7 +119,7 @@ class _Met:
         if self.given is not None:
             return self.given[:, index]
         self.taken[:, index] = natural
-        return natural if natural.ndim else np.broadcast_to(natural, len(self.taken))
+        return self.taken[:, index]
 
     def shift(self, gradient: Array, index: int) -> Array:
         """The slopes of the shift of a node: those of a variable of its own."""
@@ -120,17 +141,16 @@ class JetProgram:
         size = d + self.shifts if second else d
         noted = _Met(choices, n, self.kinks, self.shifts)
         order = 2 if second else 1
-        columns, units = np.ascontiguousarray(forces.T), np.zeros((d, size, n))
-        for i in range(d):
-            units[i, i] = 1.0
-        given = [Jet(columns[i], units[i].T, None, order) for i in range(d)]  # column by column in memory, and so is what comes of them
+        columns, units = np.ascontiguousarray(forces.T), [_Columns({i: _ONE}) for i in range(d)]
+        slopes = [unit.dense(n, size) for unit in units] if second else units  # column by column in memory, and so is what comes of them
+        given = [Jet(column, slope, None, order) for column, slope in zip(columns, slopes, strict=True)]
         given += [Jet(v, order=order) for v in others]
         with np.errstate(all="ignore"):
             last = self.recording.value(given, noted)
             value = np.broadcast_to(last.value, (n,))
-            gradient = np.zeros((n, size)) if last.gradient is None else last.gradient
             if not second:
-                return Jet(value, gradient, None), noted.taken
+                return Jet(value, (last.gradient or _Columns({})).dense(n, d)), noted.taken
+            gradient = np.zeros((n, size)) if last.gradient is None else last.gradient
             hessian = np.zeros((n, size, size)) if last.hessian is None else last.hessian
             hessian = _finished(noted.shifted, gradient, hessian, forces, self.strict)
         return Jet(value, gradient[:, :d], hessian[:, :d, :d]), noted.taken
@@ -211,7 +231,6 @@ def _atan2(node: Any, y: Jet, x: Jet) -> Jet:
     hessian = added(times(c / size, y.hessian), times(-s / size, x.hessian))
     if gradient is not None:  # the angle turns as the size grows
         growth = added(times(c / size, x.gradient), times(s / size, y.gradient))
-        assert growth is not None
         cross = outer(gradient, growth)
         hessian = added(hessian, -(cross + np.swapaxes(cross, 1, 2)))
     return Jet(value, gradient, hessian, order)
@@ -228,11 +247,9 @@ def _pnorm(node: Any, p: Jet, *args: Jet) -> Jet:
 def _p_norm(p: float, value: Any, args: tuple[Jet, ...], turning: bool = True) -> Jet:
     """(sum |a_i|^p)^(1/p) of value P: slopes (|a_i|/P)^(p-1), second derivatives by pairs, so that they keep their sign."""
     unit = np.where(value > 0.0, value, 1.0)
-    shares = [np.minimum(np.abs(a.value) / unit, 1.0) for a in args]
-    if p == 2.0:
-        slopes = [np.copysign(s, a.value) for a, s in zip(args, shares, strict=True)]
-    else:
-        slopes = [np.sign(a.value) * np.power(s, p - 1) for a, s in zip(args, shares, strict=True)]
+    parts = [np.clip(a.value / unit, -1.0, 1.0) for a in args]
+    shares = [np.abs(part) for part in parts] if p != 2.0 or least_order(args) > 1 else []
+    slopes = parts if p == 2.0 else [np.sign(a.value) * np.power(s, p - 1) for a, s in zip(args, shares, strict=True)]
     gradient: Array | None = None
     hessian: Array | None = None
     for a, slope in zip(args, slopes, strict=True):
@@ -251,15 +268,12 @@ def _p_norm(p: float, value: Any, args: tuple[Jet, ...], turning: bool = True) -
 
 
 def _abs(_: Any, index: int, noted: _Met, x: Jet) -> Jet:
-    side = noted.choose(index, np.where(x.value < 0, -1, 1))
-    return _chain_linear(x, side.astype(np.float64))
+    return _chain_linear(x, noted.choose(index, np.where(x.value < 0, -1, 1)).astype(np.float64))
 
 
 def _ramp(node: Any, index: int, noted: _Met, x: Jet) -> Jet:
     # at 0 the piece beyond it, for pos and neg alike: where both took the zero piece, their law would lose its curvature
-    rising = x.value >= 0 if node.slope > 0 else x.value < 0
-    side = noted.choose(index, rising)
-    slope = side.astype(np.float64)
+    slope = noted.choose(index, x.value >= 0 if node.slope > 0 else x.value < 0).astype(np.float64)
     return _chain_linear(x, slope if node.slope == 1 else node.slope * slope)
 
 
@@ -269,23 +283,25 @@ def _chain_linear(x: Jet, slope: Array) -> Jet:
 
 def _extreme(node: Any, index: int, noted: _Met, *args: Jet) -> Jet:
     sense = 1 if isinstance(node, sp.Max) else -1
-    values = np.broadcast_arrays(*(sense * a.value for a in args), noted.taken[:, index])[:-1]
+    values = np.broadcast_arrays(*(sense * a.value for a in args))
     return _select(noted.choose(index, np.argmax(np.stack(values), axis=0)), args)
 
 
 def _where(_: Any, index: int, noted: _Met, condition: Jet, then: Jet, otherwise: Jet) -> Jet:
-    holds = np.broadcast_to(condition.value == 1.0, noted.taken[:, index].shape)
-    return _select(noted.choose(index, np.where(holds, 0, 1)), (then, otherwise))
+    return _select(noted.choose(index, np.where(condition.value == 1.0, 0, 1)), (then, otherwise))
 
 
 def _select(which: NDArray[Any], args: tuple[Jet, ...]) -> Jet:
     """The chosen argument at each point."""
     value = np.choose(which, [a.value for a in args])
 
-    def chosen(parts: list[Array | None]) -> Array | None:
+    def chosen(parts: list[Any]) -> Any:
         known = [p for p in parts if p is not None]
         if not known:
             return None
+        if isinstance(known[0], _Columns):
+            places = sorted({i for p in known for i in p.of})
+            return _Columns({i: chosen([None if p is None else p.of.get(i) for p in parts]) for i in places})
         shape = which.shape + (1,) * (known[0].ndim - 1)
         picked = np.zeros((which.size, *known[0].shape[1:]))
         for i, part in enumerate(parts):
@@ -418,7 +434,7 @@ def _eigmax(_: Any, index: int, noted: _Met, *entries: Jet) -> Jet:
     low, middle, n = np.moveaxis(vectors, -1, 0)
     value, order = values[..., -1], least_order(entries)
 
-    def along(m: Array, derivatives: Iterable[Array | None]) -> Array | None:
+    def along(m: Array, derivatives: Iterable[Any]) -> Any:
         """n . (dA) m."""
         weights = [n[..., i] * m[..., i] for i in range(3)]
         weights += [n[..., i] * m[..., j] + n[..., j] * m[..., i] for i, j in ((1, 2), (0, 2), (0, 1))]
@@ -429,9 +445,7 @@ def _eigmax(_: Any, index: int, noted: _Met, *entries: Jet) -> Jet:
     if gradient is None or order == 1:
         return Jet(value, gradient, None, order)
     hessian = along(n, (a.hessian for a in entries))
-    turns = along(low, gradients), along(middle, gradients)
-    assert turns[0] is not None and turns[1] is not None
-    noted.shifted[index] = _Axes(values, (turns[0], turns[1]), _steepness(entries))
+    noted.shifted[index] = _Axes(values, (along(low, gradients), along(middle, gradients)), _steepness(entries))
     return Jet(value, gradient + noted.shift(gradient, index), hessian, order)
 
 

@@ -278,7 +278,7 @@ def fill(share: Share, shape: ShapeNumbers, out: Histories) -> None:
     states, m = States.begun(share), len(share.paths.time)
     row = np.full(m, -1, dtype=np.intp)
     row[out.knots] = np.arange(len(out.knots))
-    states.keep(out, np.arange(len(share)), 0)
+    states.keep(out, slice(None), 0)
     vectors = states.stress, states.slip, states.anchor_stress, states.anchor
     state = np.concatenate([*map(_two, vectors), *(getattr(states, name)[:, None] for name in SUMS)], axis=1)
     _run(share, shape, state, (states.status, states.reached), (1, m), row, out)

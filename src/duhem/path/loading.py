@@ -379,8 +379,8 @@ class Paths:
 
     def at(self, knot: Knot, which: Which | None = None) -> Array:
         """The displacements of all points or of some, at one knot or each at its own, (n, d)."""
-        which = np.arange(len(self)) if which is None else which
-        return np.asarray(in_rows(self.values, knot, which) * (self.factor if len(self.factor) == 1 else self.factor[which]))
+        factor = self.factor if which is None or len(self.factor) == 1 else self.factor[which]
+        return np.asarray(in_rows(self.values, knot, np.arange(len(self)) if which is None else which) * factor)
 
     def pressure_at(self, knot: Knot, which: Which) -> Array:
         """The pressure likewise (n,), zeros for a law without."""

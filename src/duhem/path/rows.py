@@ -307,7 +307,7 @@ class States(_Sums):
     def begun(cls, block: Share) -> States:
         """At the first knot."""
         n = len(block)
-        u, stress = block.paths.at(0, np.arange(n)), block.stress.copy()
+        u, stress = block.paths.at(0), block.stress.copy()
         blank = cls(
             slip=u - times(stress, block.compliance),
             stress=stress,
@@ -338,7 +338,7 @@ class States(_Sums):
         slipped = on[slips[on]]
         self.anchor_stress[which[slipped]], self.anchor[which[slipped]] = stress[slipped], u[slipped]
 
-    def keep(self, out: Histories, points: Which, row: int) -> None:
+    def keep(self, out: Histories, points: Which | slice, row: int) -> None:
         """Write the states of these points into a row of ``out``; the balance is summed anew from there."""
         for name in _STATES:
             getattr(out, name)[points, row] = getattr(self, name)[points]

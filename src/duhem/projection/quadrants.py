@@ -214,8 +214,7 @@ def _project(
         for quadrant in range(4):  # one by one: their constants are numbers, not one a point
             here = far & (negative[0] == bool(quadrant & 1))
             here &= negative[1] == bool(quadrant & 2)
-            at = np.flatnonzero(here)
-            if at.size:
+            if (at := np.flatnonzero(here)).size:
                 _slipped(at, quadrant, block, quarters, stress, slip, multiplier)
         return
     quadrant = negative[0] + 2 * negative[1]

@@ -371,7 +371,6 @@ class Level:
     def gradient(self, stress: Array, pressure: Array, size: Array) -> Array:
         """dh/ds (N, d) alone; nan where it is infinite, so that no level passes for a small share of it."""
         found = self.slopes(stress, pressure, size)[0].gradient
-        assert found is not None
         return np.where(np.isfinite(found), found, np.nan)
 
     def hessian(self, stress: Array, pressure: Array, size: Array) -> Array:
@@ -413,9 +412,7 @@ class Placed:
 
     def slopes(self) -> Array:
         """dh/ds (d, N)."""
-        found = self.level.jets(self.s.T, [v for v, _ in self.data], None, second=False)[0].gradient
-        assert found is not None
-        return found.T
+        return np.asarray(self.level.jets(self.s.T, [v for v, _ in self.data], None, second=False)[0].gradient.T)
 
 
 def level_of(question: Increment) -> Level:
