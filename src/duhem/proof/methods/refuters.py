@@ -336,7 +336,12 @@ def normality_at_points(subject: FormulaSubject, choices: int = 12, near: bool =
         return None
     from duhem.proof.search.boundary_points import scouts
 
-    for scout in (scout for scout in scouts(subject, choices) if len(scout.boundary) > 1):
+    return _leaning(subject, scouts(subject, choices), near)
+
+
+def _leaning(subject: FormulaSubject, scouts: Iterable[BoundaryScout], near: bool = True) -> Evidence | None:
+    """Refute by the first boundary point of the scouts whose flow points towards another point of K."""
+    for scout in (scout for scout in scouts if len(scout.boundary) > 1):
         at_rest = ((exit, subject.nowhere) for exit in scout.least_power(5))
         for exit, target in itertools.chain(scout.far_targets(), at_rest, _on_the_boundary(subject, scout) if near else ()):
             if witness := _leans_towards(subject, exit, target):
@@ -461,6 +466,11 @@ def normality_by_sampling(subject: FormulaSubject) -> Evidence | None:
     """Say where the slip was looked at in vain; for an associated law, say it of the chords, because normality is convexity there."""
     if subject.problem.associated:
         return convexity_by_sampling(subject)
+    from duhem.proof.search.margins import WALK, least_margin
+
+    found = least_margin("normality", subject, WALK)
+    if found is not None and (refuted := _leaning(subject, [found.scout])) is not None:
+        return refuted
     return _flow(subject, "normality", "the slip leans towards another point of K")
 
 
@@ -469,10 +479,12 @@ def dissipation_by_sampling(subject: FormulaSubject) -> Evidence | None:
 
     None too where no state may have the forces that would be looked at.
     """
+    from duhem.proof.search.downhill import entered
     from duhem.proof.search.margins import WALK, least_margin
 
     found = least_margin("dissipation", subject, WALK)
-    if found is not None and (refuted := _power(subject, found.scout.least_power(5))) is not None:
+    exits = itertools.chain(() if found is None else found.scout.least_power(5), entered(subject) if subject.problem.associated else ())
+    if (refuted := _power(subject, exits)) is not None:
         return refuted
     return _flow(subject, "dissipation", "the power is negative") if subject.onto else None
 

@@ -35,6 +35,7 @@ from duhem.proof.facts.graph_subject import GraphSubject
 from duhem.proof.facts.subject import Point, Values
 from duhem.proof.search.boundary_points import Chord, lowest
 from duhem.proof.search.corners import quadratic
+from duhem.proof.search.downhill import gaps
 from duhem.proof.search.edges import exact_rays
 from duhem.proof.search.margins import WALK, least_margin
 
@@ -73,7 +74,15 @@ def looked_between(subject: FormulaSubject) -> list[int]:
 
 
 def chords_downhill(subject: FormulaSubject) -> Iterator[Chord]:
-    """Chords where a walk over parameters and rays finds that the boundary bends inward; along rays near that place, and all around."""
+    """Chords across gaps, and where a walk over parameters and rays finds that the boundary bends inward.
+
+    The latter along rays near that place, and all around.
+    """
+    for parameters, *line in gaps(subject, from_zero=False):
+        level = compiled(subject.formula_at(parameters), subject.simple.forces)
+        p, x, q = (end[None] for end in line)
+        edges = [Rays(lambda at: level(*np.moveaxis(at, -1, 0)), end, x - end).narrowed(np.zeros(1), np.ones(1))[0] for end in (p, q)]
+        yield from _in_decimals(parameters, *((end + t * (x - end))[0] for end, t in zip((p, q), edges, strict=True)), p[0], q[0])
     found = least_margin("convexity", subject, WALK)
     if found is not None and found.value < -_BENT:
         for ways in (found.scout.directions, None):
@@ -103,10 +112,15 @@ def _in_choice(subject: FormulaSubject, parameters: Values, seen: list[int], way
         opposite = section == 0 and ways is None and len(forces) > 1 and value(zero) > 0.0
         along = _along_rays(value, centre, towards, directions, seen)
         for p, q, *anchors in chain(_through_zero(value, directions) if opposite else (), along):
-            for digits in (1, 2, 3, 4, 6, 9, 12, 16):  # the fewest decimals that still show it, for those who check by hand
-                pulled = (x + 10.0**-digits * (a - x) for x, a in zip((p, q), anchors, strict=True))
-                one, two = (tuple(Fraction(round(float(c) * 10**digits), 10**digits) for c in x) for x in pulled)
-                yield parameters, one, two
+            yield from _in_decimals(parameters, p, q, *anchors)
+
+
+def _in_decimals(parameters: Values, p: Array, q: Array, *anchors: Array) -> Iterator[Chord]:
+    """The chord with its ends pulled towards the anchors, in the fewest decimals that still show it, for those who check by hand."""
+    for digits in (1, 2, 3, 4, 6, 9, 12, 16):
+        pulled = (x + 10.0**-digits * (a - x) for x, a in zip((p, q), anchors, strict=True))
+        one, two = (tuple(Fraction(round(float(c) * 10**digits), 10**digits) for c in x) for x in pulled)
+        yield parameters, one, two
 
 
 def _planes(d: int) -> Iterator[Array]:
