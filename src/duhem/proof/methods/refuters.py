@@ -55,7 +55,7 @@ __all__ = [
     "dissipation_by_sampling", "dissipation_in_states", "dissipation_of_rates", "duality_of_graph_left_out", "energy_at_bends",
     "energy_in_temperature", "energy_of_two_forces", "heat_uphill", "normality_at_chord", "normality_at_points", "normality_by_sampling",
     "normality_of_rates", "origin_at_parameters", "origin_of_graph", "origin_undefined", "smoothness_at_corners",
-    "smoothness_at_sharp_points", "without_k",
+    "smoothness_at_sharp_points", "smoothness_at_switches", "without_k",
 ]  # fmt: skip
 
 _PLAIN = 2  # choices of the parameters that are plain
@@ -230,6 +230,14 @@ def smoothness_at_corners(subject: FormulaSubject | GraphSubject) -> Evidence | 
         return None if subject.written_out is None else smoothness_at_corners(subject.written_out)
     choices = subject.choices(6 if len(subject.simple.forces) == 2 else 2, _at_least_exponents(subject))
     found = (corner(subject, *one) for parameters in choices for one in _suggested(subject, parameters))
+    return _not_smooth(subject, found, "witness-corner", "the outward normal jumps at a corner of the boundary")
+
+
+def smoothness_at_switches(subject: FormulaSubject) -> Evidence | None:
+    """Refute by a corner where the boundary meets a switch of the formula, in more than two forces at many choices of the parameters."""
+    from duhem.proof.search.corners import crossed_sections  # numpy, only when something is looked for
+
+    found = (corner(subject, *one) for one in crossed_sections(subject)) if len(subject.simple.forces) > 2 else ()
     return _not_smooth(subject, found, "witness-corner", "the outward normal jumps at a corner of the boundary")
 
 

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import math
 import random
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from fractions import Fraction
 from itertools import chain, islice, product
 from typing import Any
@@ -29,10 +29,10 @@ from duhem.expression.vocabulary import KINKS
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.facts.plane_section import PlaneSection, local_pieces
 from duhem.proof.facts.subject import Point, Values, rationals
-from duhem.proof.search.boundary_points import scout
+from duhem.proof.search.boundary_points import BoundaryScout, scout, scouts
 from duhem.proof.search.edges import edges
 
-__all__ = ["Crossing", "centred_choices", "crossings", "quadratic", "section_corners", "sharp_points"]
+__all__ = ["Crossing", "centred_choices", "crossed_sections", "crossings", "quadratic", "section_corners", "sharp_points"]
 
 _MOST, _NEAREST = 16, 2  # crossings of one seam; places nearest to it
 _MOST_EXPONENT = 10_000  # SymPy makes polynomials of so high a degree of a power: that took more than a minute
@@ -42,6 +42,7 @@ _DIRECTIONS = 1440
 _JUMP = 1e-4  # of the direction, in radians: a smooth boundary turns less where it is looked at so closely
 _STEPS = 4_000  # of a place, or of looking around a plane, by the operations in the formula
 _DIGITS = 40
+_HALVINGS = 30  # of the angle between two rays
 _AROUND = Fraction(1, 10**4)  # of a place in floats, by its size: as far as pieces are opened there
 _SHARP = 1e-5
 _MOST_WAYS, _SHOWN = 400, 6
@@ -122,18 +123,59 @@ def section_corners(subject: FormulaSubject, parameters: Values) -> Iterator[Sec
             yield from _polished(subject, parameters, section, place)
 
 
+def crossed_sections(subject: FormulaSubject, most: int = 12) -> Iterator[SectionCorner]:
+    """Corners where the boundary meets a switch of the formula, seen from a point of K, at so many choices; found, not certain.
+
+    The plane lies through two near rays between whose ends the switch changes its sign; where g jumps, both ends may be corners.
+    """
+    forces, switches = subject.simple.forces, dict.fromkeys(s for piece in subject.pieces or () for s in piece.signs)
+    price = _STEPS * sp.count_ops(subject.simple.g)
+    for seen in scouts(subject, most) if switches else ():
+        if not len(seen.boundary) or not subject.budget.pays(price):
+            continue
+        base = [Fraction(float(c)).limit_denominator(1000) for c in seen.centre]
+        for switch in switches:
+            side = compiled(switch.subs(rationals(seen.parameters)), forces)
+            signs = np.sign(np.broadcast_to(side(*seen.boundary.T), len(seen.boundary)))
+            for way in (1.0, -1.0):
+                few, others = np.flatnonzero(signs == way), np.flatnonzero(signs == -way)
+                if not len(few) or len(few) > len(others) or not subject.budget.pays(price):
+                    continue
+                units = seen.directions / np.linalg.norm(seen.directions, axis=1, keepdims=True)
+                near = units[few[:_NEAREST]] @ units[others].T
+                for i, j in zip(few, others[near.argmax(axis=1)], strict=False):
+                    u, v = ([Fraction(float(c)).limit_denominator(1000) for c in seen.directions[k]] for k in (i, j))
+                    section = PlaneSection.through(forces, base, u, v)
+                    for place in _ends_at(seen, section, lambda x, side=side: float(side(*x)) * way):
+                        yield from _polished(subject, seen.parameters, section, place)
+
+
+def _ends_at(seen: BoundaryScout, section: PlaneSection, side: Callable[[Any], float]) -> Iterator[Place]:
+    """Coordinates of the boundary on the last ray on which a switch is > 0 and on the first on which it is not, from u to v."""
+    base, u, v = (np.array([float(c) for c in x]) for x in (section.base, *section.along))
+    shares, places = [0.0, 1.0], [None, None]
+    for _ in range(_HALVINGS):
+        t = sum(shares) / 2
+        last, first = Rays(seen.value, base, ((1 - t) * u + t * v)[None]).left(_ALONG)
+        if not 0 < last[0] < first[0]:
+            return
+        k = int(not side(base + last[0] * ((1 - t) * u + t * v)) > 0)
+        shares[k], places[k] = t, (float(last[0] * (1 - t)), float(last[0] * t))
+    yield from (place for place in places if place is not None)
+
+
 def _polished(subject: FormulaSubject, parameters: Values, section: PlaneSection, place: Sequence[float]) -> Iterator[SectionCorner]:
     """The common zeros of g and of a seam near a place, to many digits, where the gradients beside it are not parallel."""
     middle = [Fraction(c).limit_denominator(10**12) for c in place]
     reach = _AROUND * Fraction(max(*map(abs, place), 1e-3)).limit_denominator(1000)
     box = {x: ball(c - reach, c + reach) for x, c in zip(section.at, middle, strict=True)}
-    for seam in seams(local_pieces(subject, parameters, section, box, whole_space=False)):
+    for seam in seams(local_pieces(subject, parameters, section, box, whole_space=False), both_ways=True):
         if len(seam.crossed) == 1:
             system = sp.Matrix([seam.after.expr, *seam.crossed])
             slopes = jacobian(system, section.at)
             found = None if slopes is None else common_zero(system, slopes, section.at, [float(c) for c in middle], _DIGITS)
             near = found is not None and all(abs(f - c) <= 2 * reach for f, c in zip(found, middle, strict=True))
-            if found is not None and near and _turned(seam, section.at, found):
+            if found is not None and near and (_turned(seam, section.at, found) or _jumps(seam, section.at, found)):
                 yield parameters, section, found
 
 
@@ -142,6 +184,12 @@ def _turned(seam: Seam, unknowns: Sequence[sp.Symbol], place: Point) -> bool:
     one, two = ([complex(sp.diff(b.expr, x).evalf(30, subs=at)) for x in unknowns] for b in (seam.before, seam.after))
     cross, sizes = abs(one[0] * two[1] - one[1] * two[0]), [abs(n[0]) + abs(n[1]) for n in (one, two)]
     return bool(cross > 1e-9 * sizes[0] * sizes[1])
+
+
+def _jumps(seam: Seam, unknowns: Sequence[sp.Symbol], place: Point) -> bool:
+    """Whether g is not 0 on the other side of a seam, so that K ends on it."""
+    height = complex(seam.before.expr.evalf(30, subs=dict(zip(unknowns, map(rational, place), strict=True))))
+    return bool(abs(height) > 1e-9)
 
 
 def _tips(subject: FormulaSubject, parameters: Values) -> Iterator[tuple[PlaneSection, list[Place]]]:
