@@ -235,9 +235,10 @@ def smoothness_at_corners(subject: FormulaSubject | GraphSubject) -> Evidence | 
 
 def smoothness_at_switches(subject: FormulaSubject) -> Evidence | None:
     """Refute by a corner where the boundary meets a switch of the formula, in more than two forces at many choices of the parameters."""
-    from duhem.proof.search.corners import crossed_sections  # numpy, only when something is looked for
+    from duhem.proof.search.corners import section_corners  # numpy, only when something is looked for
 
-    found = (corner(subject, *one) for one in crossed_sections(subject)) if len(subject.simple.forces) > 2 else ()
+    choices = subject.choices(12) if len(subject.simple.forces) > 2 else ()
+    found = (corner(subject, *one) for parameters in choices for one in section_corners(subject, parameters, drawn=False))
     return _not_smooth(subject, found, "witness-corner", "the outward normal jumps at a corner of the boundary")
 
 
@@ -388,8 +389,8 @@ def dissipation_at_points(subject: FormulaSubject, choices: int = 12) -> Evidenc
     """Refute by a boundary point where force . flow < 0, at so many choices of the parameters."""
     from duhem.proof.search.boundary_points import scouts
 
-    ways = ((s.towards_zero_force(), s.least_power(5), s.entered_again(3)) for s in scouts(subject, choices))
-    return _power(subject, (exit for three in ways for way in three for exit in way))
+    ways = ((s.towards_zero_force(), s.least_power(5)) for s in scouts(subject, choices))
+    return _power(subject, (exit for both in ways for way in both for exit in way))
 
 
 def _power(subject: FormulaSubject, exits: Iterable[Exit]) -> Evidence | None:

@@ -178,18 +178,6 @@ class BoundaryScout:
             inside = tuple(Fraction(float(c)).limit_denominator(10**9) for c in self.centre)
             yield Exit(self.parameters, inside, (Fraction(0),) * len(inside))
 
-    @np.errstate(all="ignore")
-    def entered_again(self, most: int) -> Iterator[Exit]:
-        """Where rays from 0 come back into K, the nearest first: g falls along the ray there, so that sigma . grad g is not > 0."""
-        if self.centre is None or self.centre.any():
-            return
-        values = self.value(_RADII[:, None, None] * self.directions)
-        back = (values[:-1] > 0) & (values[1:] < 0)
-        for i, k in np.argwhere(back)[:most]:
-            ray = [Fraction(float(c)).limit_denominator(10**6) for c in self.directions[k]]
-            near, far = (Fraction(float(_RADII[j])).limit_denominator(10**6) for j in (i, i + 1))
-            yield Exit(self.parameters, tuple(far * c for c in ray), tuple(near * c for c in ray))
-
     def least_power(self, most: int) -> Iterator[Exit]:
         """Boundary points with negative power: the most negative and some of the others."""
         yield from (self._exit(k) for k in _spread(self.power(), most))

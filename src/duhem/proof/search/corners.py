@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import math
 import random
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from fractions import Fraction
 from itertools import chain, islice, product
 from typing import Any
@@ -29,10 +29,10 @@ from duhem.expression.vocabulary import KINKS
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.facts.plane_section import PlaneSection, local_pieces
 from duhem.proof.facts.subject import Point, Values, rationals
-from duhem.proof.search.boundary_points import BoundaryScout, scout, scouts
+from duhem.proof.search.boundary_points import BoundaryScout, scout
 from duhem.proof.search.edges import edges
 
-__all__ = ["Crossing", "centred_choices", "crossed_sections", "crossings", "quadratic", "section_corners", "sharp_points"]
+__all__ = ["Crossing", "centred_choices", "crossings", "quadratic", "section_corners", "sharp_points"]
 
 _MOST, _NEAREST = 16, 2  # crossings of one seam; places nearest to it
 _MOST_EXPONENT = 10_000  # SymPy makes polynomials of so high a degree of a power: that took more than a minute
@@ -42,7 +42,6 @@ _DIRECTIONS = 1440
 _JUMP = 1e-4  # of the direction, in radians: a smooth boundary turns less where it is looked at so closely
 _STEPS = 4_000  # of a place, or of looking around a plane, by the operations in the formula
 _DIGITS = 40
-_HALVINGS = 30  # of the angle between two rays
 _AROUND = Fraction(1, 10**4)  # of a place in floats, by its size: as far as pieces are opened there
 _SHARP = 1e-5
 _MOST_WAYS, _SHOWN = 400, 6
@@ -112,56 +111,19 @@ def common_zero(system: sp.Matrix, slopes: sp.Matrix, unknowns: Sequence[sp.Symb
     return tuple(Fraction(int(context.nint(p * whole)), whole) for p in found) if all(map(context.isfinite, found)) else None
 
 
-def section_corners(subject: FormulaSubject, parameters: Values) -> Iterator[SectionCorner]:
-    """Corners in planes at a parameter choice, the tips of cones first; found, not certain; while steps are left."""
+def section_corners(subject: FormulaSubject, parameters: Values, drawn: bool = True) -> Iterator[SectionCorner]:
+    """Corners in planes at a parameter choice, the tips of cones first; found, not certain; while steps are left.
+
+    Unless ``drawn``, in planes across a switch of the formula alone.
+    """
     price = _STEPS * sp.count_ops(subject.simple.g)
     kinked = subject.simple.g.has(*KINKS, EigMax)
-    for section, places in chain(_tips(subject, parameters), _planes(subject, parameters, price) if kinked else ()):
+    tips, planes = _tips(subject, parameters) if drawn else (), _planes(subject, parameters, price, drawn) if kinked else ()
+    for section, places in chain(tips, planes):
         for place in places:
             if not subject.budget.pays(price):
                 return
             yield from _polished(subject, parameters, section, place)
-
-
-def crossed_sections(subject: FormulaSubject, most: int = 12) -> Iterator[SectionCorner]:
-    """Corners where the boundary meets a switch of the formula, seen from a point of K, at so many choices; found, not certain.
-
-    The plane lies through two near rays between whose ends the switch changes its sign; where g jumps, both ends may be corners.
-    """
-    forces, switches = subject.simple.forces, dict.fromkeys(s for piece in subject.pieces or () for s in piece.signs)
-    price = _STEPS * sp.count_ops(subject.simple.g)
-    for seen in scouts(subject, most) if switches else ():
-        if not len(seen.boundary) or not subject.budget.pays(price):
-            continue
-        base = [Fraction(float(c)).limit_denominator(1000) for c in seen.centre]
-        for switch in switches:
-            side = compiled(switch.subs(rationals(seen.parameters)), forces)
-            signs = np.sign(np.broadcast_to(side(*seen.boundary.T), len(seen.boundary)))
-            for way in (1.0, -1.0):
-                few, others = np.flatnonzero(signs == way), np.flatnonzero(signs == -way)
-                if not len(few) or len(few) > len(others) or not subject.budget.pays(price):
-                    continue
-                units = seen.directions / np.linalg.norm(seen.directions, axis=1, keepdims=True)
-                near = units[few[:_NEAREST]] @ units[others].T
-                for i, j in zip(few, others[near.argmax(axis=1)], strict=False):
-                    u, v = ([Fraction(float(c)).limit_denominator(1000) for c in seen.directions[k]] for k in (i, j))
-                    section = PlaneSection.through(forces, base, u, v)
-                    for place in _ends_at(seen, section, lambda x, side=side: float(side(*x)) * way):
-                        yield from _polished(subject, seen.parameters, section, place)
-
-
-def _ends_at(seen: BoundaryScout, section: PlaneSection, side: Callable[[Any], float]) -> Iterator[Place]:
-    """Coordinates of the boundary on the last ray on which a switch is > 0 and on the first on which it is not, from u to v."""
-    base, u, v = (np.array([float(c) for c in x]) for x in (section.base, *section.along))
-    shares, places = [0.0, 1.0], [None, None]
-    for _ in range(_HALVINGS):
-        t = sum(shares) / 2
-        last, first = Rays(seen.value, base, ((1 - t) * u + t * v)[None]).left(_ALONG)
-        if not 0 < last[0] < first[0]:
-            return
-        k = int(not side(base + last[0] * ((1 - t) * u + t * v)) > 0)
-        shares[k], places[k] = t, (float(last[0] * (1 - t)), float(last[0] * t))
-    yield from (place for place in places if place is not None)
 
 
 def _polished(subject: FormulaSubject, parameters: Values, section: PlaneSection, place: Sequence[float]) -> Iterator[SectionCorner]:
@@ -245,8 +207,8 @@ def _zeros_along(h: sp.Expr, a: sp.Symbol, b: sp.Symbol) -> list[float]:
     return [float(brentq(lambda x: float(level(x, 1e-9)), grid[k], grid[k + 1])) for k in np.flatnonzero(signs[:-1] * signs[1:] < 0)]
 
 
-def _planes(subject: FormulaSubject, parameters: Values, price: int) -> Iterator[tuple[PlaneSection, list[Place]]]:
-    """Some through a point of K, each force in units of how far K reaches along it, as far as is seen."""
+def _planes(subject: FormulaSubject, parameters: Values, price: int, drawn: bool) -> Iterator[tuple[PlaneSection, list[Place]]]:
+    """Some through a point of K: ``drawn``, each force in units of how far K reaches along it, or across switches of the formula."""
     seen, rng, forces = scout(subject, parameters), random.Random(4), subject.simple.forces
     if seen.centre is None or not len(seen.boundary):
         return
@@ -255,12 +217,28 @@ def _planes(subject: FormulaSubject, parameters: Values, price: int) -> Iterator
     base = [Fraction(float(c)).limit_denominator(1000) * (x not in still) for x, c in zip(forces, seen.centre, strict=True)]
     units = [Fraction(2) ** math.frexp(max(abs(column), default=1))[1] for column in (seen.boundary - seen.centre).T]
     units = [unit * (x not in still) for x, unit in zip(forces, units, strict=True)]
-    for _ in range(_PLANES):
+    random_pairs = ([[c * unit for c, unit in zip(_direction(rng, len(forces)), units, strict=True)] for _ in "uv"] for _ in range(_PLANES))
+    for u, v in random_pairs if drawn else _rays_across(subject, seen):
         if not subject.budget.pays(price):
             return
-        u, v = ([c * unit for c, unit in zip(_direction(rng, len(forces)), units, strict=True)] for _ in range(2))
         section = PlaneSection.through(forces, base, u, v)
         yield section, _turns(subject, parameters, section)
+
+
+def _rays_across(subject: FormulaSubject, seen: BoundaryScout) -> Iterator[list[list[Fraction]]]:
+    """A ray to a point of the boundary, and what leads across it to a near one where a switch of the formula has the other sign.
+
+    The first is one of the fewer rays on one side of the switch.
+    """
+    units = seen.directions / np.linalg.norm(seen.directions, axis=1, keepdims=True)
+    for switch in dict.fromkeys(s for piece in subject.pieces or () for s in piece.signs):
+        side = compiled(switch.subs(rationals(seen.parameters)), subject.simple.forces)
+        above = np.broadcast_to(side(*seen.boundary.T), len(units)) > 0
+        few, others = sorted((np.flatnonzero(above), np.flatnonzero(~above)), key=len)
+        for k in few[:_NEAREST]:
+            near = units[others[int(np.argmax(units[others] @ units[k]))]]
+            aside = near - (near @ units[k]) * units[k]
+            yield [[Fraction(float(c)).limit_denominator(1000) for c in way] for way in (units[k], aside / np.linalg.norm(aside))]
 
 
 def _direction(rng: random.Random, dimension: int) -> Point:

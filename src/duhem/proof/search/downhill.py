@@ -88,14 +88,9 @@ class ParameterRows:
         n, k = rows.shape
         if not k:
             return rows
-        step = widths * rng.standard_normal((n, k)) * (rng.random((n, k)) < 0.5)
-        from_end = np.where(np.isfinite(self._low), rows - self._low, self._high - rows)
-        sense = np.where(np.isfinite(self._low), 1.0, -1.0)
-        ranged, open_ = np.isfinite(self._low) & np.isfinite(self._high), ~np.isfinite(self._low) & ~np.isfinite(self._high)
-        with np.errstate(all="ignore"):
-            half = rows + sense * (np.maximum(from_end, _SMALL) * np.exp(2.0 * step) - from_end)
-            new = np.where(ranged, rows + (self._high - self._low) * step, np.where(open_, rows + np.maximum(np.abs(rows), 1.0) * step, half))
-            new = np.where(step == 0.0, rows, new)
+        end = np.where(np.isfinite(self._low), self._low, np.where(np.isfinite(self._high), self._high, 0.0))
+        span = np.where(np.isfinite(self._high - self._low), self._high - self._low, np.maximum(np.abs(rows - end), _SMALL))
+        new = rows + widths * span * rng.standard_normal((n, k)) * (rng.random((n, k)) < 0.5)
         to_end = np.where(rng.random((n, k)) < 0.5, self._low, self._high)
         new = np.where((rng.random((n, k)) < _RARE) & np.isfinite(to_end), to_end, new)
         one, other = rng.integers(k, size=(2, n))
