@@ -24,6 +24,7 @@ __all__ = ["TABLE", "ball", "certain_sign", "compiled", "constant", "enclose", "
 
 _MOST = 10_000  # an exponent with a letter in it, that is a whole number
 
+
 def precision(bits: int) -> Any:
     """Context manager: working precision in bits."""
     return flint.ctx.workprec(bits)

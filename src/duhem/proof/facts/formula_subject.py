@@ -27,7 +27,7 @@ from duhem.law.curve_law import Law
 from duhem.law.formula_law import Criterion
 from duhem.law.parameter_domain import simple_points
 from duhem.proof.decide import EFFORTS, Answer, Budget, Question, Sense
-from duhem.proof.decide.question import Obligation, bounds, obligations
+from duhem.proof.decide.question import Obligation, obligations
 from duhem.proof.facts.subject import Point, Subject, Values, middle_of, plain_choices, rationals, walk
 from duhem.proof.in_state import Dissipating, power_of_rates
 from duhem.proof.statement import Face, Problem, state

@@ -24,6 +24,7 @@ from duhem.proof.search.boundary_points import Exit
 __all__ = ["ParameterRows", "downhill", "entered", "gaps"]
 
 Array = NDArray[np.float64]
+Move = Callable[[Sequence[Array], Array, np.random.Generator], Sequence[Array]]
 _CHILDREN = 8  # moves that are tried at once from one place
 _NARROWER, _WIDER, _WIDEST = 0.6, 1.5, 1.0  # widths of moves where none leads downhill, and where one does
 _RARE = 0.1  # the share of moves to an end, and of those that make two parameters equal
@@ -36,9 +37,7 @@ _SHOWN = 8
 _NOISE = 1e-9  # of the sizes of g
 
 
-def downhill(
-    value: Callable[..., Any], start: Sequence[Array], move: Callable[[Sequence[Array], Array, np.random.Generator], Sequence[Array]], moves: int
-) -> tuple[list[Array], Array]:
+def downhill(value: Callable[..., Any], start: Sequence[Array], move: Move, moves: int) -> tuple[list[Array], Array]:
     """The places (m, n) after so many moves of each walk, and their values (m,); each place is told by several arrays.
 
     ``move`` gives places beside those given, as far away as the widths (m, 1) say.  A walk that finds nothing lower looks closer.
@@ -84,7 +83,7 @@ class ParameterRows:
         return found
 
     def beside(self, rows: Array, widths: Array, rng: np.random.Generator) -> Array:
-        """Other rows: half of the numbers are moved by about so much of their range or of their size, few to an end or to another number."""
+        """Other rows: half of the numbers moved by about so much of their range or size, few to an end or to another number."""
         n, k = rows.shape
         if not k:
             return rows
@@ -147,7 +146,8 @@ def gaps(subject: FormulaSubject, from_zero: bool) -> Iterator[tuple[Values, Arr
         rng = np.random.default_rng(11)
         own = rows.plain(_STARTS)
         sizes = 10.0 ** rng.uniform(*_SIZES, (2, len(own), 1))
-        ends = [downhill(level, (own, size * rng.standard_normal((len(own), len(forces)))), nearer, _MOVES)[0][1] for size in sizes]
+        first = (size * rng.standard_normal((len(own), len(forces))) for size in sizes)
+        ends = [downhill(lambda *place: np.maximum(level(*place), 0.0), (own, x), nearer, _MOVES)[0][1] for x in first]  # into K, no deeper
         start = (own, np.zeros_like(ends[0]) if from_zero else ends[0], ends[1])
         (own, p, q), heights = downhill(between, start, elsewhere, _MOVES) if len(own) else (start, np.zeros(0))
         order = np.argsort(heights)

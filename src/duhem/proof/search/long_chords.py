@@ -77,11 +77,8 @@ def chords_downhill(subject: FormulaSubject) -> Iterator[Chord]:
 
     The latter along rays near that place, and all around.
     """
-    for parameters, *line in gaps(subject, from_zero=False):
-        level = compiled(subject.formula_at(parameters), subject.simple.forces)
-        p, x, q = (end[None] for end in line)
-        edges = [Rays(lambda at: level(*np.moveaxis(at, -1, 0)), end, x - end).narrowed(np.zeros(1), np.ones(1))[0] for end in (p, q)]
-        yield from _in_decimals(parameters, *((end + t * (x - end))[0] for end, t in zip((p, q), edges, strict=True)), p[0], q[0])
+    for parameters, p, x, q in gaps(subject, from_zero=False):
+        yield from _in_decimals(parameters, _last(subject, parameters, p, x), _last(subject, parameters, q, x), p, q)
     found = least_margin("convexity", subject, WALK)
     if found is not None and found.value < -_BENT:
         for ways in (found.scout.directions, None):
@@ -110,6 +107,13 @@ def _in_choice(subject: FormulaSubject, parameters: Values, seen: list[int], way
     for directions in _planes(len(forces)) if ways is None else [ways]:
         for p, q, *anchors in _along_rays(value, centre, towards, directions, seen):
             yield from _in_decimals(parameters, p, q, *anchors)
+
+
+def _last(subject: FormulaSubject, parameters: Values, inside: Array, outside: Array) -> Array:
+    """The last point of K on the way from one point to another."""
+    level = compiled(subject.formula_at(parameters), subject.simple.forces)
+    way = Rays(lambda points: level(*np.moveaxis(points, -1, 0)), inside, (outside - inside)[None])
+    return way.at(way.narrowed(np.zeros(1), np.ones(1))[0])[0]
 
 
 def _in_decimals(parameters: Values, p: Array, q: Array, *anchors: Array) -> Iterator[Chord]:

@@ -55,12 +55,14 @@ def least_margin(claim: str, subject: FormulaSubject, moves: int = 0) -> Margin 
     seen = sorted(((*_least(of, here), here) for here in scouts(subject, _CHOICES)), key=lambda each: each[0])
     found = [Margin(measure, value, here, k) for value, k, here in seen[:1] if np.isfinite(value)]
     if found and moves and found[0].value > -_CLEAR:
-        found += [Margin(measure, value, here, k) for here in _walked(of, subject, [here for *_, here in seen], moves) for value, k in [_least(of, here)]]
+        found += [Margin(measure, value, here, k) for value, k, here in _walked(of, subject, [here for *_, here in seen], moves)]
     return min(found, key=lambda margin: margin.value, default=None)
 
 
-def _walked(measure: Measure, subject: FormulaSubject, seen: Sequence[BoundaryScout], moves: int) -> Iterator[BoundaryScout]:
-    """Scouts around the places where walks over parameters and rays end, which begin at the least margins of each scout seen."""
+def _walked(
+    measure: Measure, subject: FormulaSubject, seen: Sequence[BoundaryScout], moves: int
+) -> Iterator[tuple[float, int, BoundaryScout]]:
+    """Least margins around the ends of walks over parameters and rays, which begin at the least ones of each scout seen."""
     rows = ParameterRows(subject)
     price = moves * _MOVE * sum(1 for _ in sp.preorder_traversal(subject.simple.g))
     if not subject.budget.pays(price):
@@ -81,13 +83,14 @@ def _walked(measure: Measure, subject: FormulaSubject, seen: Sequence[BoundarySc
     if not starts:
         return
     own = np.reshape([[float(here.parameters[x]) for x in rows.free] for here, _ in starts], (len(starts), len(rows.free)))
-    ways, centres = (np.array([part(here, k) for here, k in starts]) for part in (lambda h, k: h.directions[k], lambda h, _: h.centre))
+    ways, centres = np.array([here.directions[k] for here, k in starts]), np.array([here.centre for here, _ in starts])
     (own, ways, centres), values = downhill(margins, (own, ways, centres), beside, moves)
     for k in np.argsort(values, kind="stable")[:_ENDS]:
         if np.isfinite(values[k]) and (chosen := rows.values(own[k])) is not None:
             rng, size = np.random.default_rng(9), np.linalg.norm(ways[k])
             near = [ways[k] + width * size * rng.standard_normal((_RAYS, ways.shape[1])) for width in _WIDTHS]
-            yield BoundaryScout(subject, chosen, np.vstack([ways[k], *near]), centres[k])
+            there = BoundaryScout(subject, chosen, np.vstack([ways[k], *near]), centres[k])
+            yield *_least(measure, there), there
 
 
 def _least(measure: Measure, scout: BoundaryScout) -> tuple[float, int]:
@@ -124,7 +127,7 @@ def highest_at_zero(subject: FormulaSubject, most: int = 2) -> list[Values]:
         with np.errstate(all="ignore"):
             return np.where(rows.admitted(own), -np.nan_to_num(np.broadcast_to(run(*own.T), len(own)), nan=-np.inf), np.inf)
 
-    (own,), values = downhill(depth, [np.array(plain)], lambda places, widths, rng: [rows.beside(*places, widths, rng)], WALK)
+    (own,), values = downhill(depth, [np.array(plain)], lambda places, widths, rng: [rows.beside(places[0], widths, rng)], WALK)
     found = (rows.values(own[k]) for k in np.argsort(values, kind="stable"))
     return list(islice((values for values in found if values is not None), most))
 
@@ -146,8 +149,13 @@ def _curvature(scout: BoundaryScout) -> Any:
     return least
 
 
+def _aligned(scout: BoundaryScout) -> Any:
+    """On rays of different choices the cosine of slip and normal, less 1, takes the place of the way to another point of K."""
+    return scout.turned() - 1 if scout.centre.ndim == 2 else -scout.leaning()
+
+
 _MEASURES: Mapping[str, tuple[str, Callable[[BoundaryScout], Any]]] = {
     "convexity": ("curvature of the boundary times its distance", _curvature),
-    "normality": ("slip . way from another point of K, over the sizes of both", lambda scout: -scout.leaning() if scout.centre.ndim == 1 else scout.turned() - 1),
+    "normality": ("slip . way from another point of K, over the sizes of both", _aligned),
     "dissipation": ("force . slip over the sizes of both", lambda scout: scout.power()),
 }
