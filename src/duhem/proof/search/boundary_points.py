@@ -189,9 +189,7 @@ class BoundaryScout:
             return self._over(self.boundary, self.subject.power(()))
         place, slips = self.unit_flow
         points = self.boundary[place]
-        found = np.full(len(self.boundary), np.inf)
-        np.fmin.at(found, place, np.sum(slips * points, axis=1) / (np.linalg.norm(points, axis=1) + 1e-300))
-        return found
+        return self._least(np.sum(slips * points, axis=1) / (np.linalg.norm(points, axis=1) + 1e-300))
 
     @cached_property
     @np.errstate(all="ignore")
@@ -205,18 +203,20 @@ class BoundaryScout:
         return np.where(near, -np.inf, reach), np.where(near, -np.inf, reach / (distance + 1e-300))
 
     def leaning(self) -> Any:
-        """For each boundary point the greatest share of the distance that one of its slips goes towards another, or towards the centre."""
-        place, _ = self.unit_flow
-        found = np.full(len(self.boundary), -np.inf)
-        np.fmax.at(found, place, np.max(self._reach[1], axis=1))
-        return found
+        """For each boundary point the greatest share of the distance that one of its slips goes towards another, or towards the centre.
 
-    def turned(self) -> Any:
-        """For each boundary point the least cosine between one of its slips and the gradient of g."""
+        On rays of many choices, what the cosine of slip and normal lacks to 1.
+        """
+        if self.centre.ndim == 1:
+            return -self._least(-np.max(self._reach[1], axis=1))
         place, slips = self.unit_flow
         normals = self.gradient[place] / (np.linalg.norm(self.gradient[place], axis=1, keepdims=True) + 1e-300)
+        return 1.0 - self._least(np.sum(slips * normals, axis=1))
+
+    def _least(self, values: Any) -> Any:
+        """Of each boundary point the least of those of its slips."""
         found = np.full(len(self.boundary), np.inf)
-        np.fmin.at(found, place, np.sum(slips * normals, axis=1))
+        np.fmin.at(found, self.unit_flow[0], values)
         return found
 
     @property

@@ -32,9 +32,8 @@ _SMALL = 1e-3  # a distance from an end, in units of the parameter
 _STARTS, _MOVES = 192, 30  # of a search for gaps
 _SIZES = (-2.0, 2.5)  # powers of ten of the first points
 _SHARES = np.linspace(0.0, 1.0, 17)[1:-1]  # of a chord, at which g is looked at
-_NODE = 400  # steps of each node of the formula, for a search for gaps
+_NODE = 10_000  # steps of each node of the formula, for a search for gaps
 _SHOWN = 8
-_NOISE = 1e-9  # of the sizes of g
 
 
 def downhill(value: Callable[..., Any], start: Sequence[Array], move: Move, moves: int) -> tuple[list[Array], Array]:
@@ -101,7 +100,7 @@ class ParameterRows:
         """The row in fractions; None where the law does not admit them."""
         found = dict[sp.Symbol, Fraction]()
         for x, number, ends in zip(self.free, row, self._ends, strict=True):
-            found[x] = next((end for end in ends if end is not None and float(end) == number), Fraction(f"{number:.3g}"))
+            found[x] = next((end for end in ends if end is not None and float(end) == number), Fraction(f"{number:.6g}"))
         return found if self.subject.admits_choice(found) else None
 
 
@@ -115,7 +114,8 @@ def entered(subject: FormulaSubject) -> Iterator[Exit]:
 def gaps(subject: FormulaSubject, from_zero: bool) -> Iterator[tuple[Values, Array, Array, Array]]:
     """Parameters, a point p of K, one x outside and a point q of K on a line, as it seems; ``from_zero`` with p at zero force."""
     rows, forces = ParameterRows(subject), subject.simple.forces
-    if not subject.budget.pays(_NODE * sum(1 for _ in sp.preorder_traversal(subject.simple.g))):
+    own, price = rows.plain(_STARTS), _NODE * sum(1 for _ in sp.preorder_traversal(subject.simple.g))
+    if not (len(own) and subject.budget.pays(price)):
         return
     run = compiled(subject.simple.g, (*rows.free, *forces))
     low, high = np.array([subject.law.domain.get(x.name, REAL).ends for x in forces]).T
@@ -144,14 +144,12 @@ def gaps(subject: FormulaSubject, from_zero: bool) -> Iterator[tuple[Values, Arr
 
     with np.errstate(all="ignore"):
         rng = np.random.default_rng(11)
-        own = rows.plain(_STARTS)
         sizes = 10.0 ** rng.uniform(*_SIZES, (2, len(own), 1))
         first = (size * rng.standard_normal((len(own), len(forces))) for size in sizes)
         ends = [downhill(lambda *place: np.maximum(level(*place), 0.0), (own, x), nearer, _MOVES)[0][1] for x in first]  # into K, no deeper
         start = (own, np.zeros_like(ends[0]) if from_zero else ends[0], ends[1])
-        (own, p, q), heights = downhill(between, start, elsewhere, _MOVES) if len(own) else (start, np.zeros(0))
-        order = np.argsort(heights)
-        for k in order[heights[order] < 0][:_SHOWN]:
+        (own, p, q), heights = downhill(between, start, elsewhere, _MOVES)
+        for k in np.argsort(heights)[: min(_SHOWN, np.count_nonzero(heights < 0))]:
             if (values := rows.values(own[k])) is not None:
-                heights_of = [float(level(own[k : k + 1], (p + s * (q - p))[k : k + 1])[0]) for s in _SHARES]
-                yield values, p[k], p[k] + _SHARES[int(np.argmax(heights_of))] * (q[k] - p[k]), q[k]
+                line = p[k] + _SHARES[:, None] * (q[k] - p[k])
+                yield values, p[k], line[np.argmax(level(np.broadcast_to(own[k], (len(line), own.shape[1])), line))], q[k]

@@ -118,8 +118,7 @@ def highest_at_zero(subject: FormulaSubject, most: int = 2) -> list[Values]:
     """The choices of the parameters at which g is greatest at zero force, in floats: walks to them begin at the plain ones."""
     start = defined_at(subject.simple.g, dict.fromkeys(subject.simple.forces, sp.S.Zero))
     rows = ParameterRows(subject)
-    plain = list(dict.fromkeys(map(tuple, rows.plain(_TRIED))))
-    if start is None or not rows.free or not plain:
+    if start is None or not rows.free or not len(plain := rows.plain(_TRIED)):
         return []
     run = compiled(start, rows.free)
 
@@ -127,7 +126,7 @@ def highest_at_zero(subject: FormulaSubject, most: int = 2) -> list[Values]:
         with np.errstate(all="ignore"):
             return np.where(rows.admitted(own), -np.nan_to_num(np.broadcast_to(run(*own.T), len(own)), nan=-np.inf), np.inf)
 
-    (own,), values = downhill(depth, [np.array(plain)], lambda places, widths, rng: [rows.beside(places[0], widths, rng)], WALK)
+    (own,), values = downhill(depth, [plain], lambda places, widths, rng: [rows.beside(places[0], widths, rng)], WALK)
     found = (rows.values(own[k]) for k in np.argsort(values, kind="stable"))
     return list(islice((values for values in found if values is not None), most))
 
@@ -149,13 +148,8 @@ def _curvature(scout: BoundaryScout) -> Any:
     return least
 
 
-def _aligned(scout: BoundaryScout) -> Any:
-    """On rays of different choices the cosine of slip and normal, less 1, takes the place of the way to another point of K."""
-    return scout.turned() - 1 if scout.centre.ndim == 2 else -scout.leaning()
-
-
 _MEASURES: Mapping[str, tuple[str, Callable[[BoundaryScout], Any]]] = {
     "convexity": ("curvature of the boundary times its distance", _curvature),
-    "normality": ("slip . way from another point of K, over the sizes of both", _aligned),
+    "normality": ("slip . way from another point of K, over the sizes of both", lambda scout: -scout.leaning()),
     "dissipation": ("force . slip over the sizes of both", lambda scout: scout.power()),
 }
