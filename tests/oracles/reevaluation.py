@@ -93,7 +93,9 @@ def _power(base: _Jet, exponent: Fraction, jets: bool) -> _Jet:
 
 
 def _raised(base: _Jet, p: Interval, jets: bool) -> _Jet:
-    """To any constant power, of what is not < 0."""
+    """To any constant power, of what is not < 0; to one that is a whole number at this place, of anything."""
+    if p.a == p.b and (whole := round(float(p.a))) == p.a:
+        return _power(base, Fraction(whole), jets)
     x = base.value
     if x.b < 0 or (x.a <= 0 and (p.a <= 0 or (jets and p.a < 1))):
         raise OpenError

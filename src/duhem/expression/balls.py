@@ -22,6 +22,8 @@ from duhem.expression.vocabulary import COMPARISONS, Atan2, EigMax, Neg, Norm, P
 
 __all__ = ["TABLE", "ball", "certain_sign", "compiled", "constant", "enclose", "precision"]
 
+_MOST = 10_000  # an exponent with a letter in it, that is a whole number
+
 
 def precision(bits: int) -> Any:
     """Context manager: working precision in bits."""
@@ -98,6 +100,8 @@ def _pow(node: Any, base: Any, exponent: Any) -> Any:
     if base >= 0 and exponent > 0:
         high = base.upper()
         return flint.arb(0).union(high**exponent) if high > 0 else flint.arb(0)
+    if exponent.is_integer() and abs(exponent) < _MOST:  # as 2*b is where b = 1
+        return _integer_power(base, int(exponent.unique_fmpz()))
     return flint.arb("nan")
 
 

@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import reduce
-from itertools import combinations
+from itertools import combinations, permutations
 from types import MappingProxyType
 from typing import Any
 
@@ -240,9 +240,9 @@ def seam(before: Branch, after: Branch) -> Seam | None:
     return Seam(before, after, crossed, kept) if crossed else None
 
 
-def seams(pieces: Sequence[Branch]) -> Iterator[Seam]:
-    """The seams between branches whose expressions differ, each pair once."""
-    for before, after in combinations(pieces, 2):
+def seams(pieces: Sequence[Branch], both_ways: bool = False) -> Iterator[Seam]:
+    """The seams between branches whose expressions differ, each pair once, or ``both_ways``."""
+    for before, after in (permutations if both_ways else combinations)(pieces, 2):
         if before.expr != after.expr and (found := seam(before, after)) is not None:
             yield found
 

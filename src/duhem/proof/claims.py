@@ -246,6 +246,7 @@ _ALL = (
             Finder(FormulaSubject, evidence.smoothness_by_identities),
             ProofMethod(FormulaSubject, evidence.smoothness_on_boundary),
             Finder(FormulaSubject, evidence.smoothness_in_a_box),
+            ProofMethod(FormulaSubject, refuters.smoothness_at_switches),
             OF_GRAPH,
             ProofMethod(GraphSubject, refuters.smoothness_at_corners),
             Finder(GraphSubject, evidence.smoothness_in_a_box),

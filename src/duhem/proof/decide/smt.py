@@ -159,11 +159,11 @@ def by_smt(system: System, budget: Budget) -> Answer:
     reals = Reals(system.variables)
     solver = z3.Tactic(_TACTIC, ctx=reals.context).solver()
     solver.set("rlimit", most)
-    solver.add(*(reals.relation(r.poly, r.op) for r in system.given), z3.Not(reals.relation(system.goal.poly, system.goal.op)))
     try:
+        solver.add(*(reals.relation(r.poly, r.op) for r in system.given), z3.Not(reals.relation(system.goal.poly, system.goal.op)))
         with _net(reals.context, _NET * most):
             result = solver.check()
-    except z3.Z3Exception as fault:
+    except (z3.Z3Exception, ValueError) as fault:  # Python writes no number of thousands of digits as text
         result, reason = z3.unknown, str(fault)
     else:
         reason = f"z3: {solver.reason_unknown()}"

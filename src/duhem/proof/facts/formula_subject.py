@@ -27,7 +27,7 @@ from duhem.law.curve_law import Law
 from duhem.law.formula_law import Criterion
 from duhem.law.parameter_domain import simple_points
 from duhem.proof.decide import EFFORTS, Answer, Budget, Question, Sense
-from duhem.proof.decide.question import Obligation, bounds, obligations
+from duhem.proof.decide.question import Obligation, obligations
 from duhem.proof.facts.subject import Point, Subject, Values, middle_of, plain_choices, rationals, walk
 from duhem.proof.in_state import Dissipating, power_of_rates
 from duhem.proof.statement import Face, Problem, state
@@ -38,6 +38,7 @@ _QUESTION_STEPS = 8_000_000
 _OF_THE_FLOW = ("normality", "dissipation")  # the claims that speak of it
 _REMEDY = "fix other values"
 _MOST_POINTS = 64
+_GREATEST = 10**308
 _SIGNS = {sp.Ne: "!=", sp.Ge: ">=", sp.Gt: ">", sp.Le: "<=", sp.Lt: "<"}
 Place = dict[sp.Symbol, Any]
 
@@ -266,7 +267,7 @@ class FormulaSubject(Subject):
         """
         free = self.simple.parameters
         hinted = [{x: fraction(hint[x]) for x in free} for hint in hints if all(x in hint for x in free)]
-        told = [values for values in hinted if self._admits_choice(values)]
+        told = [values for values in hinted if self.admits_choice(values)]
         yield from told
         self._choices, known = tee(self._choices)  # each is looked for once
         yield from (values for values in islice(known, most) if values not in told)
@@ -275,7 +276,7 @@ class FormulaSubject(Subject):
         """Those without hints."""
         free, seen = self.simple.parameters, list[Values]()
         for values in chain(plain_choices(free, self.simple.given), self._in_constraints()):
-            if values not in seen and self._admits_choice(values):
+            if values not in seen and self.admits_choice(values):
                 seen.append(values)
                 yield values
 
@@ -291,24 +292,15 @@ class FormulaSubject(Subject):
         for half in (sp.true, *halves):
             point = self.ask(-sp.S.One, Sense.NONNEGATIVE, *(() if half == sp.true else (half,))).point or {}
             values = {x: fraction(point[x]) if x in point else plain[x] for x in free}
-            if self._admits_choice(values) and values not in starts:
+            if self.admits_choice(values) and values not in starts:
                 starts.append(values)
-        yield from walk(starts, self._admits_choice)
+        yield from walk(starts, self.admits_choice)
 
-    def moved(self, values: Values, width: float, rng: Any) -> Values | None:
-        """The values, half of them moved at random by a share of their range, or of their size; None where the law does not admit them."""
-        there = dict[sp.Symbol, Fraction]()
-        for x, value in values.items():
-            low, high = bounds(x, self.simple.given)
-            span = max(abs(value), Fraction(1)) if low is None or high is None else high - low
-            new = Fraction(f"{float(value) + float(span) * width * rng.standard_normal():.3g}") if rng.random() < 0.5 else value
-            new = new if low is None else max(new, low)
-            there[x] = new if high is None else min(new, high)
-        return there if self._admits_choice(there) else None
-
-    def _admits_choice(self, values: Values) -> bool:
-        inside = self.admits(self.values_at(values, self.nowhere))
-        return inside and defined_at(self.simple.g, rationals(values)) is not None
+    def admits_choice(self, values: Values) -> bool:
+        """Whether the law admits the values, and g has a value with them in numbers that are not too large for doubles."""
+        if not self.admits(self.values_at(values, self.nowhere)) or (here := defined_at(self.simple.g, rationals(values))) is None:
+            return False
+        return all(abs(number) < _GREATEST for number in here.atoms(sp.Rational))
 
     def ask(self, expr: sp.Expr, sense: Sense, *given: sp.Basic, circle: tuple[sp.Symbol, sp.Symbol] | None = None) -> Answer:
         """Decide ``expr sense 0`` over the parameter domain of the simple problem and further relations."""

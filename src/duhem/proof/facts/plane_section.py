@@ -62,10 +62,14 @@ class PlaneSection:
 
 @dataclass(frozen=True)
 class LocalPiece(Branch):
-    """``expr`` = g in the plane; ``gradient`` = grad g there, by all forces; ``needed`` what the formula as written asks there."""
+    """``expr`` = g in the plane; ``gradient`` = grad g there, by all forces; ``needed`` what the formula as written asks there.
+
+    ``of_space`` where the plane itself has made no kink of g or of its slopes.
+    """
 
     gradient: tuple[sp.Expr, ...]
     needed: tuple[tuple[sp.Expr, Sense], ...]
+    of_space: bool
 
 
 def local_pieces(
@@ -100,7 +104,8 @@ def local_pieces(
             if sp.Tuple(expr, *gradient, *needs).has(*UNDEFINED, *KINKS) or any(s.is_zero for s, _ in signs):
                 return ()  # it is not seen which piece holds where
             needed = tuple((e, sense) for e, (_, sense) in zip(needs, asked, strict=True))
-            found.setdefault((frozenset(left.items()), expr), LocalPiece(left, expr, tuple(gradient), needed))
+            of_space = not piece.signs or not _in_plane(sp.Tuple(whole.expr, *slopes), {**place}).has(*KINKS)
+            found.setdefault((frozenset(left.items()), expr), LocalPiece(left, expr, tuple(gradient), needed, of_space))
     return tuple(found.values())
 
 

@@ -56,7 +56,7 @@ __all__ = [
     "dissipation_by_sampling", "dissipation_in_states", "dissipation_of_rates", "duality_of_graph_left_out", "energy_at_bends",
     "energy_in_temperature", "energy_of_two_forces", "heat_uphill", "normality_at_chord", "normality_at_points", "normality_by_sampling",
     "normality_of_rates", "origin_at_parameters", "origin_of_graph", "origin_out_of_range", "origin_undefined", "smoothness_at_corners",
-    "smoothness_at_sharp_points", "without_k",
+    "smoothness_at_sharp_points", "smoothness_at_switches", "without_k",
 ]  # fmt: skip
 
 _PLAIN = 2  # choices of the parameters that are plain
@@ -241,6 +241,15 @@ def smoothness_at_corners(subject: FormulaSubject | GraphSubject) -> Evidence | 
     return _not_smooth(subject, found, "witness-corner", "the outward normal jumps at a corner of the boundary")
 
 
+def smoothness_at_switches(subject: FormulaSubject) -> Evidence | None:
+    """Refute by a corner where the boundary meets a switch of the formula, in more than two forces at many choices of the parameters."""
+    from duhem.proof.search.corners import section_corners  # numpy, only when something is looked for
+
+    choices = subject.choices(12) if len(subject.simple.forces) > 2 else ()
+    found = (corner(subject, *one) for parameters in choices for one in section_corners(subject, parameters, drawn=False))
+    return _not_smooth(subject, found, "witness-corner", "the outward normal jumps at a corner of the boundary")
+
+
 def smoothness_at_sharp_points(subject: FormulaSubject) -> Evidence | None:
     """Refute by an exact boundary point to which K narrows: the tip of a cone or of a drop, a cusp, or a saddle of g."""
     from duhem.proof.search.corners import centred_choices, sharp_points  # numpy, only when something is looked for
@@ -344,7 +353,12 @@ def normality_at_points(subject: FormulaSubject, choices: int = 12, near: bool =
         return None
     from duhem.proof.search.boundary_points import scouts
 
-    for scout in (scout for scout in scouts(subject, choices) if len(scout.boundary) > 1):
+    return _leaning(subject, scouts(subject, choices), near)
+
+
+def _leaning(subject: FormulaSubject, scouts: Iterable[BoundaryScout], near: bool = True) -> Evidence | None:
+    """Refute by the first boundary point of the scouts whose flow points towards another point of K."""
+    for scout in (scout for scout in scouts if len(scout.boundary) > 1):
         at_rest = ((exit, subject.nowhere) for exit in scout.least_power(5))
         for exit, target in itertools.chain(scout.far_targets(), at_rest, _on_the_boundary(subject, scout) if near else ()):
             if witness := _leans_towards(subject, exit, target):
@@ -383,8 +397,8 @@ def dissipation_at_points(subject: FormulaSubject, choices: int = 12) -> Evidenc
     """Refute by a boundary point where force . flow < 0, at so many choices of the parameters."""
     from duhem.proof.search.boundary_points import scouts
 
-    ways = ((s.towards_zero_force(), s.least_power(5), s.entered_again(3)) for s in scouts(subject, choices))
-    return _power(subject, (exit for three in ways for way in three for exit in way))
+    ways = ((s.towards_zero_force(), s.least_power(5)) for s in scouts(subject, choices))
+    return _power(subject, (exit for both in ways for way in both for exit in way))
 
 
 def _power(subject: FormulaSubject, exits: Iterable[Exit]) -> Evidence | None:
@@ -469,6 +483,11 @@ def normality_by_sampling(subject: FormulaSubject) -> Evidence | None:
     """Say where the slip was looked at in vain; for an associated law, say it of the chords, because normality is convexity there."""
     if subject.problem.associated:
         return convexity_by_sampling(subject)
+    from duhem.proof.search.margins import WALK, least_margin
+
+    found = least_margin("normality", subject, WALK)
+    if found is not None and (refuted := _leaning(subject, [found.scout])) is not None:
+        return refuted
     return _flow(subject, "normality", "the slip leans towards another point of K")
 
 
@@ -477,10 +496,12 @@ def dissipation_by_sampling(subject: FormulaSubject) -> Evidence | None:
 
     None too where no state may have the forces that would be looked at.
     """
+    from duhem.proof.search.downhill import entered
     from duhem.proof.search.margins import WALK, least_margin
 
     found = least_margin("dissipation", subject, WALK)
-    if found is not None and (refuted := _power(subject, found.scout.least_power(5))) is not None:
+    exits = itertools.chain(() if found is None else found.scout.least_power(5), entered(subject) if subject.problem.associated else ())
+    if (refuted := _power(subject, exits)) is not None:
         return refuted
     return _flow(subject, "dissipation", "the power is negative") if subject.onto else None
 

@@ -42,12 +42,25 @@ class Exit(NamedTuple):
 
 
 class BoundaryScout:
-    """Boundary points of one parameter choice, in floats, along rays from a point of K: in given directions (m, d), or all around."""
+    """Boundary points of one parameter choice, in floats, along rays from a point of K: in given directions (m, d), or all around.
 
-    def __init__(self, subject: FormulaSubject, parameters: Values, directions: NDArray[np.float64] | None = None) -> None:
+    With ``rows`` (m, k), the values of all parameters on each ray, every ray has a choice and a centre (m, d) of its own.  Zero force
+    takes the place of a given centre where it is inside K.  ``kept`` are the numbers of the rays that meet the boundary.
+    """
+
+    def __init__(
+        self,
+        subject: FormulaSubject,
+        parameters: Values,
+        directions: NDArray[np.float64] | None = None,
+        centre: NDArray[np.float64] | None = None,
+        rows: NDArray[np.float64] | None = None,
+    ) -> None:
         self.subject, self.parameters = subject, parameters
         self.forces = subject.simple.forces
-        self._g = compiled(subject.formula_at(parameters), self.forces)
+        self._names = (*self.forces, *(() if rows is None else subject.simple.parameters))
+        self._rows = np.zeros((1, 0)) if rows is None else rows
+        self._g = compiled(subject.formula_at(parameters), self._names)
         d = len(self.forces)
         rng = np.random.default_rng(5)
         if directions is None:
@@ -55,15 +68,20 @@ class BoundaryScout:
             directions = np.stack([np.cos(turn), np.sin(turn)], axis=1) if d == 2 else rng.standard_normal((_DIRECTIONS, d))
         rays = np.round(directions, 6)
         # On the boundary 0 is no centre: it may be an apex, and rays from it run along the faces that meet there.
-        self.centre = np.zeros(d) if self.value(np.zeros(d)) < 0 else self._lowest(rng, d)
+        if centre is None:
+            self.centre = np.zeros(d) if self.value(np.zeros(d)) < 0 else self._lowest(rng, d)
+        else:
+            self.centre = np.where(np.asarray(self.value(np.zeros_like(centre)))[..., None] < 0, 0.0, centre)
         self.directions, self.low, self.beyond = self._ends(rays)
-        if not len(self.low) and self.centre is not None and not self.centre.any():  # every ray from 0 may stay in K
+        if centre is None and not len(self.low) and self.centre is not None and not self.centre.any():  # every ray from 0 may stay in K
             self.centre = self._lowest(rng, d)
             self.directions, self.low, self.beyond = self._ends(rays)
         self.boundary, self.outside = self._along(self.low), self._along(self.beyond)
 
     def value(self, points: Any) -> Any:
-        return self._g(*np.moveaxis(np.asarray(points, dtype=float), -1, 0))
+        found = np.asarray(points, dtype=float)
+        own = (column.reshape(-1, *[1] * (found.ndim - 2)) for column in self._rows.T)
+        return self._g(*np.moveaxis(found, -1, 0), *own)
 
     @property
     def found(self) -> int:
@@ -71,7 +89,8 @@ class BoundaryScout:
         return len(np.unique(np.round(self.boundary, 12), axis=0))
 
     def _lowest(self, rng: np.random.Generator, d: int) -> Any:
-        found = lowest(self.value, d, rng, (-2, 2))
+        low, high = self._ranges()
+        found = lowest(lambda x: np.maximum(self.value(x), np.max(np.maximum(low - x, x - high), axis=-1)), d, rng, (-2, 2))
         return None if found is None or self.value(np.round(found, 9)) > 0 else np.round(found, 9)
 
     def _ends(self, directions: Any) -> tuple[Any, Any, Any]:
@@ -79,10 +98,17 @@ class BoundaryScout:
         if self.centre is None:
             return directions[:0], np.zeros(0), np.zeros(0)
         last, first = Rays(self.value, self.centre, directions).left(_RADII, _BITS)
-        low, high = np.array([self.subject.law.domain.get(x.name, REAL).ends for x in self.forces]).T
+        low, high = self._ranges()
         at = self.centre + last[:, None] * directions
         keep = (last >= _RADII[0]) & (last < first) & ((low <= at) & (at <= high)).all(axis=1)
+        self.kept = np.flatnonzero(keep)
+        if self.centre.ndim == 2:
+            self._rows, self.centre = self._rows[keep], self.centre[keep]
         return directions[keep], last[keep], first[keep]
+
+    def _ranges(self) -> Any:
+        """The lowest and the highest values of the forces in the law's ranges."""
+        return np.array([self.subject.law.domain.get(x.name, REAL).ends for x in self.forces]).T
 
     def _along(self, radii: Any) -> Any:
         return np.zeros((0, len(self.forces))) if self.centre is None else self.centre + radii[:, None] * self.directions
@@ -110,7 +136,7 @@ class BoundaryScout:
 
     def _over(self, points: Any, expr: sp.Expr) -> Any:
         with np.errstate(all="ignore"):
-            return np.broadcast_to(compiled(expr.subs(rationals(self.parameters)), self.forces)(*points.T), len(points))
+            return np.broadcast_to(compiled(expr.subs(rationals(self.parameters)), self._names)(*points.T, *self._rows.T), len(points))
 
     @cached_property
     @np.errstate(all="ignore")
@@ -152,18 +178,6 @@ class BoundaryScout:
             inside = tuple(Fraction(float(c)).limit_denominator(10**9) for c in self.centre)
             yield Exit(self.parameters, inside, (Fraction(0),) * len(inside))
 
-    @np.errstate(all="ignore")
-    def entered_again(self, most: int) -> Iterator[Exit]:
-        """Where rays from 0 come back into K, the nearest first: g falls along the ray there, so that sigma . grad g is not > 0."""
-        if self.centre is None or self.centre.any():
-            return
-        values = self.value(_RADII[:, None, None] * self.directions)
-        back = (values[:-1] > 0) & (values[1:] < 0)
-        for i, k in np.argwhere(back)[:most]:
-            ray = [Fraction(float(c)).limit_denominator(10**6) for c in self.directions[k]]
-            near, far = (Fraction(float(_RADII[j])).limit_denominator(10**6) for j in (i, i + 1))
-            yield Exit(self.parameters, tuple(far * c for c in ray), tuple(near * c for c in ray))
-
     def least_power(self, most: int) -> Iterator[Exit]:
         """Boundary points with negative power: the most negative and some of the others."""
         yield from (self._exit(k) for k in _spread(self.power(), most))
@@ -175,9 +189,7 @@ class BoundaryScout:
             return self._over(self.boundary, self.subject.power(()))
         place, slips = self.unit_flow
         points = self.boundary[place]
-        found = np.full(len(self.boundary), np.inf)
-        np.fmin.at(found, place, np.sum(slips * points, axis=1) / (np.linalg.norm(points, axis=1) + 1e-300))
-        return found
+        return self._least(np.sum(slips * points, axis=1) / (np.linalg.norm(points, axis=1) + 1e-300))
 
     @cached_property
     @np.errstate(all="ignore")
@@ -191,10 +203,20 @@ class BoundaryScout:
         return np.where(near, -np.inf, reach), np.where(near, -np.inf, reach / (distance + 1e-300))
 
     def leaning(self) -> Any:
-        """For each boundary point the greatest share of the distance that one of its slips goes towards another, or towards the centre."""
-        place, _ = self.unit_flow
-        found = np.full(len(self.boundary), -np.inf)
-        np.fmax.at(found, place, np.max(self._reach[1], axis=1))
+        """For each boundary point the greatest share of the distance that one of its slips goes towards another, or towards the centre.
+
+        On rays of many choices, what the cosine of slip and normal lacks to 1.
+        """
+        if self.centre.ndim == 1:
+            return -self._least(-np.max(self._reach[1], axis=1))
+        place, slips = self.unit_flow
+        normals = self.gradient[place] / (np.linalg.norm(self.gradient[place], axis=1, keepdims=True) + 1e-300)
+        return 1.0 - self._least(np.sum(slips * normals, axis=1))
+
+    def _least(self, values: Any) -> Any:
+        """Of each boundary point the least of those of its slips."""
+        found = np.full(len(self.boundary), np.inf)
+        np.fmin.at(found, self.unit_flow[0], values)
         return found
 
     @property

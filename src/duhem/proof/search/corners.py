@@ -29,7 +29,7 @@ from duhem.expression.vocabulary import KINKS
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.facts.plane_section import PlaneSection, local_pieces
 from duhem.proof.facts.subject import Point, Values, rationals
-from duhem.proof.search.boundary_points import scout
+from duhem.proof.search.boundary_points import BoundaryScout, scout
 from duhem.proof.search.edges import edges
 
 __all__ = ["Crossing", "centred_choices", "crossings", "quadratic", "section_corners", "sharp_points"]
@@ -111,11 +111,15 @@ def common_zero(system: sp.Matrix, slopes: sp.Matrix, unknowns: Sequence[sp.Symb
     return tuple(Fraction(int(context.nint(p * whole)), whole) for p in found) if all(map(context.isfinite, found)) else None
 
 
-def section_corners(subject: FormulaSubject, parameters: Values) -> Iterator[SectionCorner]:
-    """Corners in planes at a parameter choice, the tips of cones first; found, not certain; while steps are left."""
+def section_corners(subject: FormulaSubject, parameters: Values, drawn: bool = True) -> Iterator[SectionCorner]:
+    """Corners in planes at a parameter choice, the tips of cones first; found, not certain; while steps are left.
+
+    Unless ``drawn``, in planes across a switch of the formula alone.
+    """
     price = _STEPS * sp.count_ops(subject.simple.g)
     kinked = subject.simple.g.has(*KINKS, EigMax)
-    for section, places in chain(_tips(subject, parameters), _planes(subject, parameters, price) if kinked else ()):
+    tips, planes = _tips(subject, parameters) if drawn else (), _planes(subject, parameters, price, drawn) if kinked else ()
+    for section, places in chain(tips, planes):
         for place in places:
             if not subject.budget.pays(price):
                 return
@@ -127,13 +131,13 @@ def _polished(subject: FormulaSubject, parameters: Values, section: PlaneSection
     middle = [Fraction(c).limit_denominator(10**12) for c in place]
     reach = _AROUND * Fraction(max(*map(abs, place), 1e-3)).limit_denominator(1000)
     box = {x: ball(c - reach, c + reach) for x, c in zip(section.at, middle, strict=True)}
-    for seam in seams(local_pieces(subject, parameters, section, box, whole_space=False)):
+    for seam in seams(local_pieces(subject, parameters, section, box, whole_space=False), both_ways=True):
         if len(seam.crossed) == 1:
             system = sp.Matrix([seam.after.expr, *seam.crossed])
             slopes = jacobian(system, section.at)
             found = None if slopes is None else common_zero(system, slopes, section.at, [float(c) for c in middle], _DIGITS)
             near = found is not None and all(abs(f - c) <= 2 * reach for f, c in zip(found, middle, strict=True))
-            if found is not None and near and _turned(seam, section.at, found):
+            if found is not None and near and (_turned(seam, section.at, found) or _jumps(seam, section.at, found)):
                 yield parameters, section, found
 
 
@@ -142,6 +146,12 @@ def _turned(seam: Seam, unknowns: Sequence[sp.Symbol], place: Point) -> bool:
     one, two = ([complex(sp.diff(b.expr, x).evalf(30, subs=at)) for x in unknowns] for b in (seam.before, seam.after))
     cross, sizes = abs(one[0] * two[1] - one[1] * two[0]), [abs(n[0]) + abs(n[1]) for n in (one, two)]
     return bool(cross > 1e-9 * sizes[0] * sizes[1])
+
+
+def _jumps(seam: Seam, unknowns: Sequence[sp.Symbol], place: Point) -> bool:
+    """Whether g is not 0 on the other side of a seam, so that K ends on it."""
+    height = complex(seam.before.expr.evalf(30, subs=dict(zip(unknowns, map(rational, place), strict=True))))
+    return bool(abs(height) > 1e-9)
 
 
 def _tips(subject: FormulaSubject, parameters: Values) -> Iterator[tuple[PlaneSection, list[Place]]]:
@@ -197,8 +207,8 @@ def _zeros_along(h: sp.Expr, a: sp.Symbol, b: sp.Symbol) -> list[float]:
     return [float(brentq(lambda x: float(level(x, 1e-9)), grid[k], grid[k + 1])) for k in np.flatnonzero(signs[:-1] * signs[1:] < 0)]
 
 
-def _planes(subject: FormulaSubject, parameters: Values, price: int) -> Iterator[tuple[PlaneSection, list[Place]]]:
-    """Some through a point of K, each force in units of how far K reaches along it, as far as is seen."""
+def _planes(subject: FormulaSubject, parameters: Values, price: int, drawn: bool) -> Iterator[tuple[PlaneSection, list[Place]]]:
+    """Some through a point of K: ``drawn``, each force in units of how far K reaches along it, or across switches of the formula."""
     seen, rng, forces = scout(subject, parameters), random.Random(4), subject.simple.forces
     if seen.centre is None or not len(seen.boundary):
         return
@@ -207,12 +217,28 @@ def _planes(subject: FormulaSubject, parameters: Values, price: int) -> Iterator
     base = [Fraction(float(c)).limit_denominator(1000) * (x not in still) for x, c in zip(forces, seen.centre, strict=True)]
     units = [Fraction(2) ** math.frexp(max(abs(column), default=1))[1] for column in (seen.boundary - seen.centre).T]
     units = [unit * (x not in still) for x, unit in zip(forces, units, strict=True)]
-    for _ in range(_PLANES):
+    random_pairs = ([[c * unit for c, unit in zip(_direction(rng, len(forces)), units, strict=True)] for _ in "uv"] for _ in range(_PLANES))
+    for u, v in random_pairs if drawn else _rays_across(subject, seen):
         if not subject.budget.pays(price):
             return
-        u, v = ([c * unit for c, unit in zip(_direction(rng, len(forces)), units, strict=True)] for _ in range(2))
         section = PlaneSection.through(forces, base, u, v)
         yield section, _turns(subject, parameters, section)
+
+
+def _rays_across(subject: FormulaSubject, seen: BoundaryScout) -> Iterator[list[list[Fraction]]]:
+    """A ray to a point of the boundary, and what leads across it to a near one where a switch of the formula has the other sign.
+
+    The first is one of the fewer rays on one side of the switch.
+    """
+    units = seen.directions / np.linalg.norm(seen.directions, axis=1, keepdims=True)
+    for switch in dict.fromkeys(s for piece in subject.pieces or () for s in piece.signs):
+        side = compiled(switch.subs(rationals(seen.parameters)), subject.simple.forces)
+        above = np.broadcast_to(side(*seen.boundary.T), len(units)) > 0
+        few, others = sorted((np.flatnonzero(above), np.flatnonzero(~above)), key=len)
+        for k in few[:_NEAREST]:
+            near = units[others[int(np.argmax(units[others] @ units[k]))]]
+            aside = near - (near @ units[k]) * units[k]
+            yield [[Fraction(float(c)).limit_denominator(1000) for c in way] for way in (units[k], aside / np.linalg.norm(aside))]
 
 
 def _direction(rng: random.Random, dimension: int) -> Point:

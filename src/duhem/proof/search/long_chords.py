@@ -1,7 +1,6 @@
 """Chords between distant points of K that seem to leave it: midpoints are tried in floats.
 
-Sampled: the boundary is followed along rays in plane sections, which sees inward kinks, dents and separate components; through
-zero, where it is not in K, for K may be all but a hole that is small from afar.
+Sampled: the boundary is followed along rays in plane sections, which sees inward kinks, dents and separate components.
 On exact rays: K may have faces, edges or whiskers that no sample meets.  From far points: where an ellipsoid in a maximum lies
 farthest along a load, for what is cut off a ball may leave a cap that no sample meets; along the diameter to such an end g is looked
 at, and the other end of the chord is its mirror image in a zero of a load, or in where g is greatest.
@@ -16,7 +15,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from itertools import chain, product
+from itertools import product
 from math import isqrt
 from typing import Any
 
@@ -35,6 +34,7 @@ from duhem.proof.facts.graph_subject import GraphSubject
 from duhem.proof.facts.subject import Point, Values
 from duhem.proof.search.boundary_points import Chord, lowest
 from duhem.proof.search.corners import quadratic
+from duhem.proof.search.downhill import gaps
 from duhem.proof.search.edges import exact_rays
 from duhem.proof.search.margins import WALK, least_margin
 
@@ -73,7 +73,12 @@ def looked_between(subject: FormulaSubject) -> list[int]:
 
 
 def chords_downhill(subject: FormulaSubject) -> Iterator[Chord]:
-    """Chords where a walk over parameters and rays finds that the boundary bends inward; along rays near that place, and all around."""
+    """Chords across gaps, and where a walk over parameters and rays finds that the boundary bends inward.
+
+    The latter along rays near that place, and all around.
+    """
+    for parameters, p, x, q in gaps(subject, from_zero=False):
+        yield from _in_decimals(parameters, _last(subject, parameters, p, x), _last(subject, parameters, q, x), p, q)
     found = least_margin("convexity", subject, WALK)
     if found is not None and found.value < -_BENT:
         for ways in (found.scout.directions, None):
@@ -99,14 +104,24 @@ def _in_choice(subject: FormulaSubject, parameters: Values, seen: list[int], way
     if centre is None:
         return
     towards = (centre,) if inner is None or inner is centre else (centre, inner)  # zero force may be a tip of K
-    for section, directions in enumerate(_planes(len(forces)) if ways is None else [ways]):
-        opposite = section == 0 and ways is None and len(forces) > 1 and value(zero) > 0.0
-        along = _along_rays(value, centre, towards, directions, seen)
-        for p, q, *anchors in chain(_through_zero(value, directions) if opposite else (), along):
-            for digits in (1, 2, 3, 4, 6, 9, 12, 16):  # the fewest decimals that still show it, for those who check by hand
-                pulled = (x + 10.0**-digits * (a - x) for x, a in zip((p, q), anchors, strict=True))
-                one, two = (tuple(Fraction(round(float(c) * 10**digits), 10**digits) for c in x) for x in pulled)
-                yield parameters, one, two
+    for directions in _planes(len(forces)) if ways is None else [ways]:
+        for p, q, *anchors in _along_rays(value, centre, towards, directions, seen):
+            yield from _in_decimals(parameters, p, q, *anchors)
+
+
+def _last(subject: FormulaSubject, parameters: Values, inside: Array, outside: Array) -> Array:
+    """The last point of K on the way from one point to another."""
+    level = compiled(subject.formula_at(parameters), subject.simple.forces)
+    way = Rays(lambda points: level(*np.moveaxis(points, -1, 0)), inside, (outside - inside)[None])
+    return way.at(way.narrowed(np.zeros(1), np.ones(1))[0])[0]
+
+
+def _in_decimals(parameters: Values, p: Array, q: Array, *anchors: Array) -> Iterator[Chord]:
+    """The chord with its ends pulled towards the anchors, in the fewest decimals that still show it, for those who check by hand."""
+    for digits in (1, 2, 3, 4, 6, 9, 12, 16):
+        pulled = (x + 10.0**-digits * (a - x) for x, a in zip((p, q), anchors, strict=True))
+        one, two = (tuple(Fraction(round(float(c) * 10**digits), 10**digits) for c in x) for x in pulled)
+        yield parameters, one, two
 
 
 def _planes(d: int) -> Iterator[Array]:
@@ -120,14 +135,6 @@ def _planes(d: int) -> Iterator[Array]:
 def _sections(d: int) -> int:
     """How many plane sections of d forces are looked at."""
     return 1 if d <= 2 else _SECTIONS
-
-
-def _through_zero(value: Any, directions: Array) -> Iterator[tuple[Array, Array, Array, Array]]:
-    """Points of K that lie opposite to each other, as near as there are some: zero, which is not in K, is between them."""
-    inside = Rays(value, np.zeros(directions.shape[1]), directions).inside(_RADII)
-    near, way = np.nonzero((inside & np.roll(inside, len(directions) // 2, axis=0)).T)
-    for p in _RADII[near[:1], None] * directions[way[:1]]:
-        yield p, -p, 2 * p, -2 * p
 
 
 def _along_rays(

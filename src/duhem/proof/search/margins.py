@@ -8,7 +8,8 @@ Dissipation: force . slip over the sizes of both.  Normality: how far a slip of 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from itertools import islice
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -17,16 +18,21 @@ import sympy as sp
 from duhem.expression import defined_at
 from duhem.expression.numpy_ import compiled
 from duhem.proof.facts.formula_subject import FormulaSubject
-from duhem.proof.facts.subject import Values, plain_choices
+from duhem.proof.facts.subject import Values
 from duhem.proof.search.boundary_points import BoundaryScout, scouts
+from duhem.proof.search.downhill import ParameterRows, downhill
 
 __all__ = ["WALK", "Margin", "failures", "highest_at_zero", "least_margin"]
 
-WALK = 12  # moves
+WALK = 24  # moves
+_TRIED = 400  # choices at zero force
 _CHOICES, _STARTS, _STEP, _ROUNDING = 6, 3, 1e-3, 1e-7  # of cosines that are found by differences
-_WIDTHS, _RAYS = 4, 48  # of moves, each half of the one before; of a move, beside the one on which the margin is least
+_TURNED = 0.7  # of the moves turn the ray
+_ENDS, _RAYS, _WIDTHS = 3, 16, (0.3, 0.03, 0.003)  # ends of walks that are looked at; rays beside each, and how far
 _BEFORE_THE_END, _STEEP = 0.999, 1e6  # a share of a ray; g at its end is so many times as deep as there, if that is a pole
-_MOVE, _CLEAR = 5_000, 0.01  # steps of a move; a margin that is farther below 0 needs no more search
+_MOVE, _CLEAR = 300, 0.01  # steps of a move and a node of the formula; a margin that is farther below 0 needs no more search
+
+Measure = Callable[[BoundaryScout], Any]
 
 
 class Margin(NamedTuple):
@@ -39,34 +45,55 @@ class Margin(NamedTuple):
 
 
 def least_margin(claim: str, subject: FormulaSubject, moves: int = 0) -> Margin | None:
-    """The least margin that scouts see.  With ``moves``, walks of so many moves begin where it is least; each move leads downhill.
+    """The least margin that scouts see.  With ``moves``, walks of so many moves begin where theirs are least, unless one is clear.
 
     None where nothing of the claim is measured, or no boundary point is found.
     """
     if claim not in _MEASURES or (claim == "dissipation" and not subject.onto):
         return None
     measure, of = _MEASURES[claim]
-    best, rng = None, np.random.default_rng(9)
     seen = sorted(((*_least(of, here), here) for here in scouts(subject, _CHOICES)), key=lambda each: each[0])
-    for value, k, here in seen[: _STARTS if moves else 1]:
-        for move in range(moves if np.isfinite(value) else 0):
-            width = 0.5 ** (move % _WIDTHS)
-            there = subject.moved(here.parameters, width, rng) if move % 3 else here.parameters
-            if there is None or not subject.budget.pays(_MOVE):
-                continue
-            way = here.directions[k]
-            ways = np.vstack([way, way + width * np.linalg.norm(way) * rng.standard_normal((_RAYS, len(way)))])
-            found, i = _least(of, scout := BoundaryScout(subject, there, ways))
-            if found < value:
-                value, k, here = found, i, scout
-        if np.isfinite(value) and (best is None or value < best.value):
-            best = Margin(measure, value, here, k)
-            if value < -_CLEAR:
-                break
-    return best
+    found = [Margin(measure, value, here, k) for value, k, here in seen[:1] if np.isfinite(value)]
+    if found and moves and found[0].value > -_CLEAR:
+        found += [Margin(measure, value, here, k) for value, k, here in _walked(of, subject, [here for *_, here in seen], moves)]
+    return min(found, key=lambda margin: margin.value, default=None)
 
 
-def _least(measure: Callable[[BoundaryScout], Any], scout: BoundaryScout) -> tuple[float, int]:
+def _walked(
+    measure: Measure, subject: FormulaSubject, seen: Sequence[BoundaryScout], moves: int
+) -> Iterator[tuple[float, int, BoundaryScout]]:
+    """Least margins around the ends of walks over parameters and rays, which begin at the least ones of each scout seen."""
+    rows = ParameterRows(subject)
+    price = moves * _MOVE * sum(1 for _ in sp.preorder_traversal(subject.simple.g))
+    if not subject.budget.pays(price):
+        return
+
+    def margins(own: Any, ways: Any, centres: Any) -> Any:
+        here = BoundaryScout(subject, {}, ways, centres, own)
+        values = np.full(len(own), np.inf)
+        values[here.kept] = _measured(measure, here) if len(here.kept) else np.inf
+        return np.where(rows.admitted(own), values, np.inf)
+
+    def beside(places: Sequence[Any], widths: Any, rng: np.random.Generator) -> Sequence[Any]:
+        own, ways, centres = places
+        turned = ways + widths * np.linalg.norm(ways, axis=1, keepdims=True) * rng.standard_normal(ways.shape)
+        return rows.beside(own, widths, rng), np.where(rng.random((len(own), 1)) < _TURNED, turned, ways), centres
+
+    starts = [(here, k) for here in seen if len(here.boundary) > 1 for k in np.argsort(_measured(measure, here))[:_STARTS]]
+    if not starts:
+        return
+    own = np.reshape([[float(here.parameters[x]) for x in rows.free] for here, _ in starts], (len(starts), len(rows.free)))
+    ways, centres = np.array([here.directions[k] for here, k in starts]), np.array([here.centre for here, _ in starts])
+    (own, ways, centres), values = downhill(margins, (own, ways, centres), beside, moves)
+    for k in np.argsort(values, kind="stable")[:_ENDS]:
+        if np.isfinite(values[k]) and (chosen := rows.values(own[k])) is not None:
+            rng, size = np.random.default_rng(9), np.linalg.norm(ways[k])
+            near = [ways[k] + width * size * rng.standard_normal((_RAYS, ways.shape[1])) for width in _WIDTHS]
+            there = BoundaryScout(subject, chosen, np.vstack([ways[k], *near]), centres[k])
+            yield *_least(measure, there), there
+
+
+def _least(measure: Measure, scout: BoundaryScout) -> tuple[float, int]:
     """The least value, and at which boundary point; infinite where there are none."""
     if len(scout.boundary) < 2:
         return np.inf, 0
@@ -74,7 +101,7 @@ def _least(measure: Callable[[BoundaryScout], Any], scout: BoundaryScout) -> tup
     return float(values.min()), int(values.argmin())
 
 
-def _measured(measure: Callable[[BoundaryScout], Any], scout: BoundaryScout) -> Any:
+def _measured(measure: Measure, scout: BoundaryScout) -> Any:
     """The measure at each boundary point; infinite where there is none, and where a ray leaves K at a pole of g, at which g is not 0."""
     with np.errstate(all="ignore"):
         values, ends = np.asarray(measure(scout), dtype=float), scout.boundary
@@ -88,16 +115,20 @@ def failures(claim: str, scout: BoundaryScout) -> int:
 
 
 def highest_at_zero(subject: FormulaSubject, most: int = 2) -> list[Values]:
-    """The plain choices of the parameters, ends of their ranges among them, at which g is greatest at zero force, in floats."""
-    free = subject.simple.parameters
+    """The choices of the parameters at which g is greatest at zero force, in floats: walks to them begin at the plain ones."""
     start = defined_at(subject.simple.g, dict.fromkeys(subject.simple.forces, sp.S.Zero))
-    if start is None or not free:
+    rows = ParameterRows(subject)
+    if start is None or not rows.free or not len(plain := rows.plain(_TRIED)):
         return []
-    tried = list(plain_choices(free, subject.simple.given))
-    with np.errstate(all="ignore"):
-        values = compiled(start, free)(*np.array([[float(one[x]) for x in free] for one in tried]).T)
-    order = np.argsort(-np.nan_to_num(np.broadcast_to(values, len(tried)), nan=-np.inf))
-    return [tried[k] for k in order[:most]]
+    run = compiled(start, rows.free)
+
+    def depth(own: Any) -> Any:
+        with np.errstate(all="ignore"):
+            return np.where(rows.admitted(own), -np.nan_to_num(np.broadcast_to(run(*own.T), len(own)), nan=-np.inf), np.inf)
+
+    (own,), values = downhill(depth, [plain], lambda places, widths, rng: [rows.beside(places[0], widths, rng)], WALK)
+    found = (rows.values(own[k]) for k in np.argsort(values, kind="stable"))
+    return list(islice((values for values in found if values is not None), most))
 
 
 def _curvature(scout: BoundaryScout) -> Any:

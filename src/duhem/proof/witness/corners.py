@@ -24,14 +24,14 @@ import sympy as sp
 
 from duhem.expression import Neg, Norm, Pos, Where
 from duhem.expression.balls import ball, certain_sign, enclose, precision
-from duhem.expression.branches import Seam, almost_everywhere, jacobian, seams
+from duhem.expression.branches import Seam, almost_everywhere, jacobian, oriented, seams
 from duhem.expression.number import plain_exponent, rational
 from duhem.expression.text import formula
 from duhem.proof.decide import Sense
 from duhem.proof.facts.curve_subject import cross
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.facts.plane_section import LocalPiece, PlaneSection, kinks_decided, local_pieces
-from duhem.proof.facts.subject import Values
+from duhem.proof.facts.subject import Values, rationals
 from duhem.proof.verdict import Witness
 from duhem.proof.witness.points import decimal_pair, witness
 
@@ -57,11 +57,12 @@ def corner(subject: FormulaSubject, parameters: Values, section: PlaneSection, n
         with precision(_BITS):
             centre = {x: ball(c) for x, c in zip(section.at, place, strict=True)}
             box = {x: ball(c - radius, c + radius) for x, c in zip(section.at, place, strict=True)}
-            for seam in seams(local_pieces(subject, parameters, section, box)):
+            for seam in seams(local_pieces(subject, parameters, section, box), both_ways=True):
                 if len(seam.crossed) != 1 or seam.kept:
                     continue
                 joined = partial(_joined, subject, parameters, seam, section, box)
-                if (normals := _normals(joined, seam, section, centre, box, radius)) is not None:
+                across = _gradient_of_switch(subject, parameters, section, seam)
+                if (normals := _normals(joined, seam, section, across, centre, box, radius)) is not None:
                     where = f"on {formula(seam.crossed[0])} = 0" if len(subject.problem.forces) == 2 else "in the plane through it, u and v"
                     told = f"within {radius} of this point the boundary has a corner {where}:{'' if joined() else ' K ends on it, or'}"
                     return _shown(subject, parameters, section, place, normals, told)
@@ -77,17 +78,38 @@ def _defined(piece: LocalPiece, switch: sp.Expr, box: Any) -> bool:
 def _beside(expr: sp.Expr, switch: sp.Expr, side: int, box: Any) -> int | None:
     """The sign of an expression where the switch has the sign ``side``: powers of the switch are taken out of it."""
     sign = 1
-    for factor in (expr,) if not switch.is_Symbol else sp.Mul.make_args(sp.factor_terms(sp.expand(expr))):
+    for factor in sp.Mul.make_args(sp.factor_terms(sp.expand(expr)) if switch.is_Symbol else expr):
         base, exponent = factor.as_base_exp()
-        own = side ** int(exponent % 2) if base == switch and exponent.is_Integer else certain_sign(enclose(factor, box))
+        times = sp.cancel(base / switch) if exponent.is_Integer and (base == switch or base.is_polynomial()) else switch
+        own = int(sp.sign(times) * side) ** int(exponent % 2) if times.is_number else certain_sign(enclose(factor, box))
         if own is None:
             return None
         sign *= own
     return sign
 
 
+def _gradient_of_switch(subject: FormulaSubject, parameters: Values, section: PlaneSection, seam: Seam) -> tuple[sp.Expr, ...] | None:
+    """The derivatives of the switch crossed by all forces, in the plane; None where it is not seen to be one of g itself."""
+    (switch,), place = seam.crossed, section.coordinates()
+    if len(section.forces) == 2:
+        return tuple(sp.diff(switch, x) for x in section.at)
+    if not all(isinstance(side, LocalPiece) and side.of_space for side in (seam.before, seam.after)):
+        return None
+    for whole in dict.fromkeys(s.subs(rationals(parameters)) for piece in subject.pieces or () for s in piece.signs):
+        core, flip = oriented(sp.expand(whole.xreplace(place)))
+        if core == switch:
+            return tuple(flip * sp.diff(whole, x).xreplace(place) for x in section.forces)
+    return None
+
+
 def _normals(
-    joined: Callable[[], bool], seam: Seam, section: PlaneSection, centre: Any, box: Any, radius: Fraction
+    joined: Callable[[], bool],
+    seam: Seam,
+    section: PlaneSection,
+    across: Sequence[sp.Expr] | None,
+    centre: Any,
+    box: Any,
+    radius: Fraction,
 ) -> list[list[Any]] | None:
     """Outward normals of the two sides over the box in all forces, surely not parallel in the plane; None if that is open."""
     (switch,), (before, after) = seam.crossed, (seam.before, seam.after)
@@ -100,8 +122,8 @@ def _normals(
     along, one, two = ([enclose(sp.diff(e, x), box) for x in section.at] for e in (switch, before.expr, after.expr))
     full = [[enclose(c, box) for c in piece.gradient] for piece in (before, after)]
     side = certain_sign(enclose(before.expr, box))
-    if side in (-1, 1) and len(section.forces) == 2:  # K ends on the seam: towards `before` if that is outside, else towards `after`
-        one = full[0] = [-side * after.signs[switch] * c for c in along]
+    if side in (-1, 1) and across is not None:  # K ends on the seam: towards `before` if that is outside, else towards `after`
+        one, full[0] = ([-side * after.signs[switch] * c for c in own] for own in (along, [enclose(c, box) for c in across]))
         crossing = [two]
     elif enclose(before.expr - after.expr, box).contains(0) and (len(section.forces) == 2 or joined()):
         crossing = [one, two]
