@@ -33,7 +33,7 @@ Choice = Mapping[str, Fraction]
 Choices = Callable[[Iterable[Choice]], Iterable[Choice]]  # those of some at which K is not empty, and more
 Decide = Callable[[str, Text, Budget], Verdict | None]  # the verdict on a claim of a changed law; None where it is open
 _IN_ALL, _SHARE = 6_000_000, 3  # steps for all claims of a law; one claim may use 1/_SHARE of what is left
-_A_TRIAL, _A_KIND, _A_DECISION, _READING = 200_000, 400_000, 250_000, 5_000  # steps; for reading a law
+_A_TRIAL, _A_KIND, _IN_A_BOX, _A_DECISION, _READING = 200_000, 400_000, 300_000, 250_000, 5_000  # steps; for reading a law
 _BEFORE = ("origin", "convexity", "smoothness", "normality", "dissipation", "state_laws", "homogeneity")
 _TOLD = _BEFORE[:5]  # those of which it is said that they are proved too
 _PLAIN = tuple(map(Fraction, ("1", "2", "1/2", "1/10", "3", "-1")))
@@ -107,8 +107,8 @@ def that_help(
     asked.steps = _A_KIND
     if found := found or [*islice(beside, 1)]:
         return found
-    boxed = _boxed(law, known[:_MOST_BOXED] or ({},), ranges, asked)  # before what takes most steps
-    return _settling(law, forms(), part, known, choices, asked) or boxed
+    boxed, fixed = _boxed(law, known[:_MOST_BOXED] or ({},), ranges, asked)  # before what takes most steps
+    return boxed if boxed and not fixed else _settling(law, forms(), part, known, choices, asked) or boxed
 
 
 class _Asked:
@@ -147,7 +147,7 @@ class _Asked:
         if claim in known or claim in answers or self.steps < 0 or self.tried.steps <= self.kept:
             return claim in known
         alone = bool(rules) and claim in ("smoothness", "dissipation")  # which rest on nothing else then, and take fewer steps
-        with within(_A_TRIAL) as purse, suppress(*UNREADABLE, TooDearError):
+        with within(_IN_A_BOX if rules else _A_TRIAL) as purse, suppress(*UNREADABLE, TooDearError):
             read, needed = stated(law), {claim}
             for name in reversed(() if alone else _BEFORE):
                 needed |= needs_of(name, read) if name in needed else set()
@@ -280,8 +280,8 @@ def _settling(
     return []
 
 
-def _boxed(law: Text, known: Sequence[Choice], ranges: Callable[[Choice], Iterable[Text]], asked: _Asked) -> list[str]:
-    """Ranges of the forces in which enclosures show the claim, the widest, with some values of the parameters, the fewest that will do.
+def _boxed(law: Text, known: Sequence[Choice], ranges: Callable[[Choice], Iterable[Text]], asked: _Asked) -> tuple[list[str], Choice]:
+    """Ranges of the forces in which enclosures show the claim, the widest, and values of the parameters, the fewest that will do.
 
     The narrowest are asked first, as these cost least.
     """
@@ -298,8 +298,8 @@ def _boxed(law: Text, known: Sequence[Choice], ranges: Callable[[Choice], Iterab
         ends = boxed["domain"].items()
         near = " and ".join(f"{x} = {{ min = {_in_a_file(own['min'])}, max = {_in_a_file(own['max'])} }}" for x, own in ends)
         told = f"ask for forces near K alone: {near} in the section [domain]"
-        return [asked.keep(" and ".join(filter(None, (told, settings(values)))), boxed)]
-    return []
+        return [asked.keep(" and ".join(filter(None, (told, settings(values)))), boxed)], values
+    return [], {}
 
 
 def _with_fewest(law: Text, form: Rewriting | None, fixed: Choice, part: frozenset[str], asked: _Asked) -> str:
