@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from fractions import Fraction
 
 import pytest
@@ -173,3 +174,36 @@ def test_no_region_is_asked_away_from_zero_force() -> None:
     )
     with pytest.raises(InputError, match="zero force is outside the ranges"):
         duhem.region(law.fix({"mu": 1}), "k")
+
+
+@pytest.mark.parametrize("entry", [{"min": "2", "max": "-2"}, {"min": "1", "max": "1"}])
+def test_ranges_begin_below_their_end(entry: dict[str, str]) -> None:
+    with pytest.raises(NotWritten):
+        stated(law_as_text(_law("a**2 + b**2 - 1")) | {"domain": {"a": entry}})
+
+
+@pytest.mark.parametrize("ends", [("1/2", 2), (-2, "-1/2"), ("1/1000", None)])
+def test_what_is_about_zero_force_or_all_of_k_is_not_claimed_away_from_zero(ends: tuple[object, object]) -> None:
+    """Neither by verify, nor by a certificate to which such ranges are added: K in them is no cone, and its support function another."""
+    cone = Criterion(name="x", g="norm(sigma_a, sigma_b) + sigma_n/2", forces=("sigma_a", "sigma_b"))
+    away = replace(cone, domain={"sigma_a": Domain.between(*ends)})
+    found = duhem.verify(away, coupled=True)
+    assert all(found[claim].verdict.value != "proved" for claim in ("origin", "duality", "homogeneity", "bipotential"))
+    document = duhem.verify(cone, coupled=True).certificate()
+    document["law"] |= {"domain": law_as_text(away)["domain"]}
+    document["sha256"] = digest(document)
+    refused = {row.claim: row.confirmed for row in recheck(document)}
+    assert not any(refused[claim] for claim in ("origin", "duality", "homogeneity", "bipotential"))
+
+
+def test_dissipation_does_not_rest_on_what_is_shown_of_another_set() -> None:
+    """K in the ranges is one of two discs; zero force lies in the other, and (3, 0) is pushed towards it."""
+    law = Criterion(name="x", g="(a**2 + b**2 - 1)*((a - 4)**2 + b**2 - 1)", forces=("a", "b"), pressure=None,
+                    domain={"a": Domain.between(2, 6), "b": Domain.between(-2, 2)})  # fmt: skip
+    document = duhem.verify(law).certificate()
+    for row in document["claims"]:
+        if row["claim"] in ("origin", "dissipation"):
+            rule = {"origin": "evaluation", "dissipation": "fenchel"}[row["claim"]]
+            row |= {"verdict": "proved", "trust": "checked", "rule": rule, "evidence": {}}
+    document["sha256"] = digest(document)
+    assert not any(row.confirmed for row in recheck(document) if row.claim in ("origin", "dissipation"))

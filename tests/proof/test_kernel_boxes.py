@@ -215,6 +215,31 @@ def test_what_dissipates_pushes_outward_wherever_g_is_zero(g: str) -> None:
     assert (least > 0 and g != JUMPS) if proved else (least < 0.2 or g == JUMPS), least
 
 
+ON_A_FACE = [
+    "{k}*abs(x - {e}) + y - 2", "{k}*max(x - {e}, {e} - x) + y - 2", "{k}*pos({e} - x) + {k}*pos(x - {e}) + y - 2",
+    "{k}*neg(x - {e}) + y - 2 + {k}*(x - {e})/9", "-{k}*min(x - {e}, {e} - x) + y - 2",
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("g", ON_A_FACE)
+@pytest.mark.parametrize("high", [False, True])
+@pytest.mark.parametrize("k", [5, "1/5"])
+def test_a_kink_on_a_face_of_the_box_has_the_slopes_of_both_its_sides(g: str, high: bool, k: object) -> None:
+    """At (e, 2) the normal cone of K holds (-k, 1), or (k, 1): of (1, 2) the power of the first is 2 - k, of (-1, 2) that of the second."""
+    box = {"x": {"min": "-3", "max": "-1"} if high else {"min": "1", "max": "3"}, "y": {"min": "1", "max": "3"}}
+    text = g.format(k=k, e="(-1)" if high else "1")
+    text = text.replace("neg(x - (-1))", "pos(x - (-1))").replace("5*(x - (-1))/9", "5*((-1) - x)/9") if high else text
+    assert is_proved(stated(text, box), claim="dissipation") is (k != 5)
+    own = {"potential": text}
+    assert is_proved(stated("y - 2", box, flow=own), claim="dissipation") is (k != 5)
+
+
+def test_what_is_still_in_the_whole_box_has_no_slope() -> None:
+    box = {"x": {"min": "-2", "max": "-1/10"}, "y": SQUARE["y"]}
+    for g in ("x**2 + y**2 + 2*pos(x) - x**3*y**2/20 - 1", "x**2 + y**2 + 2*max(x, -1/20)/9 - 1"):
+        assert is_proved(stated(g, box)) and is_proved(stated(g, box), claim="smoothness")
+
+
 def test_a_flow_of_the_law_s_own_is_asked_as_it_is() -> None:
     for flow, dissipates in (
         (["x", "y"], True),

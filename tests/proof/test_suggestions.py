@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import math
 import re
+from dataclasses import replace
 from fractions import Fraction
 from random import Random
+from typing import Any
 
 import pytest
 
@@ -22,6 +24,7 @@ from duhem.proof.kernel.term import parse
 from duhem.proof.unsettled import trials
 from duhem.proof.unsettled.forms import equal_forms, other_forms
 from duhem.proof.unsettled.limits import keeps_k, same_points, with_values
+from duhem.proof.unsettled.ranges import around_the_boundary
 from duhem.proof.unsettled.term_text import in_text
 from duhem.proof.unsettled.trials import Rewriting
 from tests.oracles import drawn_formulas
@@ -292,3 +295,23 @@ def test_equal_forms_have_the_same_values(g: str) -> None:
     for part, new in forms:
         at = {"a": draw.uniform(0, 2), "b": draw.uniform(-2, 2), "c": draw.uniform(1, 2)}
         assert math.isclose(drawn_formulas.value(read.g.put({part: new}), at), drawn_formulas.value(read.g, at), rel_tol=1e-12)
+
+
+@pytest.mark.parametrize("size", ["1", "10**6", "10**(-6)"])
+@pytest.mark.parametrize("pressures", [None, (-3, "-1/1000"), ("-1/2", None), (-3, -2)])
+@pytest.mark.parametrize("forces", [None, ("0.123456", "1.23456")])
+def test_ranges_near_k_lie_in_those_of_the_law_and_are_plain(size: str, pressures: Any, forces: Any) -> None:
+    """Of every size of K; the ends can be read by the kernel, and K has boundary in them."""
+    ranges = {"n": pressures, "a": forces if size == "1" else None}
+    own = {name: Domain.between(*ends) for name, ends in ranges.items() if ends}
+    g = f"norm(a, b)/({size}) + n*(1/2 + sin(a/({size}))*cos(b/({size}))/7)"
+    wave = Criterion(name="law", g=g, forces=("a", "b"), pressure="n", domain=own)
+    found = [*around_the_boundary(FormulaSubject(wave))]
+    assert found
+    for box in found:
+        assert {*box} == {"a", "b", "n"}
+        sides = {name: (Fraction(ends["min"]), Fraction(ends["max"])) for name, ends in box.items()}
+        assert all(low < high and not re.search("[eE]", "".join(box[name].values())) for name, (low, high) in sides.items())
+        assert all(own[name].covers(Domain.between(*ends)) for name, ends in sides.items() if name in own)
+        replace(wave, domain={name: Domain.between(*ends) for name, ends in sides.items()})
+        StatedLaw.read(law_as_text(wave) | {"domain": box})

@@ -92,6 +92,8 @@ def remarks(subject: Subject, settled: Mapping[str, Evidence]) -> tuple[tuple[st
     of_state = tuple(_of_state(subject.of, settled))
     if subject.law.viscous or isinstance(subject, RateSubject):
         return (*found, *of_state), False
+    if not subject.law.around_zero:  # what is odd is said of all of K
+        return (*found, *of_state, *_singular(subject)), False
     subject.allow(_STEPS)
     odd = extent(subject)
     return (*found, *_oddities(subject, odd, settled), *of_state, *_singular(subject)), odd is not None and not odd.boundary

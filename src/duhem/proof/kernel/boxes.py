@@ -19,7 +19,7 @@ it is written, in which large parts cancel (the same).  The coefficients d_ij ar
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import suppress
 from fractions import Fraction
 from functools import cache, partial, reduce
@@ -27,13 +27,13 @@ from itertools import combinations_with_replacement, product
 from math import perm
 from typing import TypeAlias
 
-from duhem.proof.kernel.bounds import NEGATIVE, POSITIVE, ZERO, Bounds
+from duhem.proof.kernel.bounds import NEGATIVE, POSITIVE, ZERO, Bounds, Sign
 from duhem.proof.kernel.constant_value import Enclosure, enclosed, exact_value
 from duhem.proof.kernel.gradient import gradient
 from duhem.proof.kernel.polynomial import ONE, Polynomial, times, total
 from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.kernel.steps import pay
-from duhem.proof.kernel.term import NotWritten, Term, number, parse, product_of, sum_of
+from duhem.proof.kernel.term import HALF, NotWritten, Term, number, parse, product_of, sum_of
 
 __all__ = ["TaylorForm", "coefficients", "convex_in_its_box", "dissipates_in_its_box", "smooth_in_its_box"]
 
@@ -121,9 +121,10 @@ def _shifted(row: list[Enclosure], middle: Enclosure) -> list[Enclosure]:
 # -- any formula in its box --------------------------------------------------------------------------------------------
 
 _MOST_BOXES, _FINEST, _NEARER = 20_000, 4096, 4  # the second for the least part of a side; places that are tried for c
-_PRICE = 7  # steps for a part of g, in a part of the box
+_PRICE, _ENTRIES = 7, 5  # steps for a part of g with its derivatives by two forces, so many, in a part of the box
 _SMOOTH = ("exp", "log", "sin", "cos", "tan", "sinh", "cosh", "tanh", "atan", "asin", "acos")
-_ZERO, _ONE, _TWO = (Enclosure.between(Fraction(n), Fraction(n)) for n in range(3))
+_ZERO, _ONE = (Enclosure.between(Fraction(n), Fraction(n)) for n in range(2))
+_SLOPES = {"abs": (_ONE, _ONE.minus()), "pos": (_ONE, _ZERO), "neg": (_ZERO, _ONE.minus())}  # above 0, and below
 _X, _E, _SOFTPLUS = Term("name", name="x"), Term("name", name="exponent of x"), parse("log(1 + exp(x))")
 _MOST_FORCES = 3
 _Box = Mapping[str, Enclosure]
@@ -153,10 +154,7 @@ def dissipates_in_its_box(law: StatedLaw) -> bool:
     """Whether sigma . grad g > 0 wherever g = 0, or force . slip >= 0 for a slip of the law's own."""
     if (law.surfaces and not law.associated) or (whole := _whole(law)) is None:
         return False
-    slip = law.flow or gradient(law.g, law.forces)
-    power = law.power or sum_of(*(product_of(Term("name", name=x), d) for x, d in zip(law.forces, slip, strict=True)))
-    choices = [x for x in law.g.parts() if x.op == "where"] if law.associated else []  # where one jumps, the slip is along no gradient
-    return _shown_in_all_parts(law, whole, partial(_dissipates, law, power, choices))
+    return _shown_in_all_parts(law, whole, partial(_dissipates, law))
 
 
 def _whole(law: StatedLaw) -> dict[str, Enclosure] | None:
@@ -173,12 +171,13 @@ def _shown_in_all_parts(law: StatedLaw, whole: dict[str, Enclosure], shown: Call
     of: _Coefficients | None = None
     with suppress(ValueError, ZeroDivisionError, NotWritten):
         of = coefficients(law.g, law.forces) if len(law.forces) == 2 else None  # where g is a polynomial of the two forces alone
-    boxes, count = [whole], sum(1 for _ in law.g.parts())
+    n, boxes = len(law.forces), [whole]
+    price = _PRICE * sum(1 for _ in law.g.parts()) * (n + len(_pairs(n))) // _ENTRIES
     for _ in range(_MOST_BOXES):
         if not boxes:
             return True
         box = boxes.pop()
-        pay(_PRICE * count)
+        pay(price)
         with suppress(ValueError, ZeroDivisionError):
             if shown(box, _Derivatives(law.forces, box) if of is None else TaylorForm(of, [box[x] for x in law.forces])):
                 continue
@@ -237,14 +236,21 @@ def _has_a_slope(law: StatedLaw, _: _Box, found: _Found) -> bool:
     return any(not slope.sign & ZERO for slope in found.of(law.g)[: len(law.forces)])
 
 
-def _dissipates(law: StatedLaw, power: Term, choices: Sequence[Term], box: _Box, found: _Found) -> bool:
+def _dissipates(law: StatedLaw, box: _Box, found: _Found) -> bool:
     """Whether g keeps a sign in a part of the box, or the power is >= 0, and > 0 if the law is associated: then grad g is not 0."""
     if found.value(law.g).sign in (NEGATIVE, POSITIVE):
         return True
-    own = _Derivatives(law.forces, box)
-    for choice in choices:
-        own.chosen(choice)
-    sign = own.value(power).sign
+    own = _Derivatives(law.forces, box, kinked=True)
+    if law.power is not None:
+        for choice in (x for x in law.power.parts() if x.op == "where"):
+            own.chosen(choice)
+        return not own.value(law.power).sign & NEGATIVE
+    slip: Iterable[Enclosure] = map(own.value, law.flow or ())
+    if law.potential is not None:
+        slip = own.of(law.potential)
+    elif law.flow is None:  # the slopes by all forces stand first
+        slip = (found if isinstance(found, TaylorForm) else own).of(law.g)
+    sign = reduce(_plus, (_times(box[x], d) for x, d in zip(law.forces, slip, strict=False))).sign
     return sign == POSITIVE if law.associated else not sign & NEGATIVE
 
 
@@ -255,12 +261,15 @@ def _pairs(n: int) -> list[tuple[int, int]]:
 
 
 class _Derivatives:
-    """Those of the parts of a formula in a box; ValueError or ZeroDivisionError where a part may have none, or is of no known word."""
+    """Those of the parts of a formula in a box; ValueError or ZeroDivisionError where a part may have none, or is of no known word.
 
-    def __init__(self, forces: Sequence[str], box: _Box) -> None:
-        n = len(forces)
-        self.still: _Jet = (_ZERO,) * (n + len(_pairs(n)))
-        self.forces, self.box = [*forces], box
+    Of what may be ``kinked`` they are slopes alone, and hold all means of those on the sides of each kink.
+    """
+
+    def __init__(self, forces: Sequence[str], box: _Box, kinked: bool = False) -> None:
+        self.pairs = [] if kinked else _pairs(len(forces))
+        self.still: _Jet = (_ZERO,) * (len(forces) + len(self.pairs))
+        self.forces, self.box, self.kinked = [*forces], box, kinked
         self.values, self.found = dict[Term, Enclosure](), dict[Term, _Jet]()
 
     def value(self, term: Term) -> Enclosure:
@@ -281,8 +290,8 @@ class _Derivatives:
                 return tuple(reduce(_plus, ends) for ends in zip(*map(self.of, term.args), strict=True))
             case "*":
                 still = reduce(Enclosure.times, (self.value(a) for a in term.args if self.of(a) is self.still), _ONE)
-                moving = ((self.value(a), self.of(a)) for a in term.args if self.of(a) is not self.still)
-                return tuple(_times(still, d) for d in reduce(self._multiplied, moving)[1])
+                moving = [(self.value(a), self.of(a)) for a in term.args if self.of(a) is not self.still]
+                return tuple(_times(still, d) for d in reduce(self._multiplied, moving)[1]) if moving else self.still
             case "log" if x.op == "+" and len(x.args) == 2 and x.args[0] == number(1) and x.args[1].op == "exp":
                 return self._chained(_SOFTPLUS, x.args[1].args[0], {_SOFTPLUS.args[0].args[1]: self.value(x.args[1])})
             case "**" if not (e := term.args[1]).names() & {*self.forces}:
@@ -290,43 +299,50 @@ class _Derivatives:
                     return self._chained(Term("**", (_X, number(exact_value(e)))), x, {})
                 return self._chained(Term("**", (_X, _E)), x, {}, self.value(e))
             case "norm":
-                return self.of(Term("**", (sum_of(*(product_of(a, a) for a in term.args)), number(Fraction(1, 2)))))
-            case "abs" | "pos" | "neg" if (sign := self.value(x).sign) in (NEGATIVE, POSITIVE):
-                if (term.op, sign) in (("pos", NEGATIVE), ("neg", POSITIVE)):
-                    return self.still
-                return self.of(x) if sign == POSITIVE else tuple(d.minus() for d in self.of(x))
-            case "max" | "min" | "where":
+                return self.of(Term("**", (sum_of(*(product_of(a, a) for a in term.args)), HALF)))
+            case "abs" | "pos" | "neg":
+                above, below = _SLOPES[term.op]
+                return self._among(self.value(x).sign, *(tuple(_times(side, d) for d in self.of(x)) for side in (above, below)))
+            case "max" | "min" if len(term.args) == 1:
+                return self.of(x)
+            case "max" | "min":
+                one, other = x, Term(term.op, term.args[1:]) if term.args[2:] else term.args[-1]
+                gap = self.value(one).plus(self.value(other).minus())
+                return self._among((gap if term.op == "max" else gap.minus()).sign, self.of(one), self.of(other))
+            case "where":
                 return self.of(self.chosen(term))
             case op if op in _SMOOTH:
                 return self._chained(Term(op, (_X,)), x, {})
         raise ValueError(f"no derivative of {term.op}")
 
+    def _among(self, sign: Sign, above: _Jet, below: _Jet) -> _Jet:
+        """The derivatives on one side of a kink, or what holds those on both where it may be in the box."""
+        if sign in (NEGATIVE, POSITIVE):
+            return above if sign == POSITIVE else below
+        if not self.kinked:
+            raise ValueError("a kink may be there")
+        return tuple(Enclosure(min(p.low, q.low), max(p.high, q.high)) for p, q in zip(above, below, strict=True))
+
     def chosen(self, term: Term) -> Term:
         """The formula that a choice is in all of the box; ValueError where it may be another too."""
-        if term.op == "where":
-            one, other = term.args[0].args
-            gap = self.value(one).plus(self.value(other).minus()).sign
-            if gap not in (NEGATIVE, POSITIVE):
-                raise ValueError("a choice goes both ways")
-            return term.args[1 if (gap == NEGATIVE) == (term.args[0].op in ("<", "<=")) else 2]
-        ends = {a: self.value(a) if term.op == "max" else self.value(a).minus() for a in term.args}
-        first = max(term.args, key=lambda a: ends[a].low)
-        if any(ends[a].high >= ends[first].low for a in term.args if a != first):
-            raise ValueError("another may be the greatest")
-        return first
+        one, other = term.args[0].args
+        gap = self.value(one).plus(self.value(other).minus()).sign
+        if gap not in (NEGATIVE, POSITIVE):
+            raise ValueError("a choice goes both ways")
+        return term.args[1 if (gap == NEGATIVE) == (term.args[0].op in ("<", "<=")) else 2]
 
     def _chained(self, outer: Term, inner: Term, done: dict[Term, Enclosure], exponent: Enclosure = _ONE) -> _Jet:
         """Of ``outer`` in x with the value of ``inner`` for x; what is ``done`` was enclosed before."""
         box = {_X.name: self.value(inner), _E.name: exponent}
         d, dd = (enclosed(each, box, done=done) for each in _derived(outer))
         n, jet = len(self.forces), self.of(inner)
-        squares = (jet[i].power(2) if i == j else _times(jet[i], jet[j]) for i, j in _pairs(n))
+        squares = (jet[i].power(2) if i == j else _times(jet[i], jet[j]) for i, j in self.pairs)
         return (*(_times(d, p) for p in jet[:n]), *(_plus(_times(d, b), _times(dd, s)) for b, s in zip(jet[n:], squares, strict=True)))
 
     def _multiplied(self, one: tuple[Enclosure, _Jet], other: tuple[Enclosure, _Jet]) -> tuple[Enclosure, _Jet]:
         """The product of two values with their derivatives."""
         (f, df), (g, dg), n = one, other, len(self.forces)
-        across = (_plus(_times(df[i], dg[j]), _times(df[j], dg[i])) for i, j in _pairs(n))
+        across = (_plus(_times(df[i], dg[j]), _times(df[j], dg[i])) for i, j in self.pairs)
         jet = (_plus(_plus(_times(g, x), _times(f, y)), z) for x, y, z in zip(df, dg, ((_ZERO,) * n + (*across,)), strict=True))
         return f.times(g), tuple(jet)
 

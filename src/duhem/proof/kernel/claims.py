@@ -50,6 +50,7 @@ class RuleRow(NamedTuple):
     moves: bool = False
 
 
+_AT_ZERO = ("origin", "duality", "homogeneity", "bipotential")  # the claims that are about zero force, or all of K
 _OF_THE_STATE = ("state_laws", "thermal")  # the claims that are about neither K nor the rates
 # What every rule for a claim rests on, whatever else it checks; "" where it is so.
 _MORE: Mapping[str, Callable[[StatedLaw], str]] = {"origin": state.potential_least_at_zero, "dissipation": state.stored_and_rates}
@@ -74,10 +75,11 @@ def objection(claim: str, rule: str, settled: frozenset[str], law: Stated, evide
     if _large(law) and rule not in _OF_GRAPHS:
         return f"g is too large for the rule {rule!r}"
     row = rules[claim, rule]
-    if (
-        isinstance(law, StatedLaw) and not law.around_zero and rule not in _IN_BOXES
-    ):  # others rest on zero force, or look along rays from it
-        law = law.once(StatedLaw.everywhere)
+    if isinstance(law, StatedLaw) and not law.around_zero:
+        if claim in _AT_ZERO:
+            return "zero force is outside the ranges of the forces"
+        if rule not in _IN_BOXES:  # others rest on zero force, or look along rays from it
+            law = law.once(StatedLaw.everywhere)
     if not row.needed <= settled:
         return f"it rests on {', '.join(sorted(row.needed - settled))}, not confirmed"
     try:

@@ -310,8 +310,8 @@ def _ranges(given: Mapping[str, Any], forces: Sequence[str], pressure: str | Non
             found[name] = own = own.below(Fraction(0), True)
             if own.low is not None and own.high is not None and not (own.low < own.high or own.holds(own.high)):
                 raise NotWritten("no pressure is left")
-        elif name not in forces or own.single or own.open or own.open_high:
-            raise NotWritten("a range is of no force, or is one value, or lacks an end")
+        elif name not in forces or own.open or own.open_high or (own.low is not None and own.high is not None and own.low >= own.high):
+            raise NotWritten("a range is of no force, or lacks an end, or does not begin below its end")
     return tuple(found.items())
 
 

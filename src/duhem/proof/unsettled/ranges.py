@@ -6,13 +6,15 @@ Where the boundary lies is found in floats.  Nothing of that is certain, and not
 from __future__ import annotations
 
 from collections.abc import Iterator
+from decimal import Decimal
+from fractions import Fraction
 from itertools import islice
 
 import numpy as np
 from numpy.typing import NDArray
 
 from duhem.expression.numpy_ import Program, compiled
-from duhem.law.domain import REAL
+from duhem.law.domain import REAL, Domain
 from duhem.law.formula_law import Criterion
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.facts.subject import Values
@@ -24,7 +26,8 @@ _MOST_FORCES = 3  # that the kernel's boxes have
 _CHOICES, _MANY, _PAIRS, _HALVINGS = 3, 4000, 600, 60  # of parameters; places; of one inside and one outside; of the way between them
 _MOST, _WIDER, _AWAY, _SAME_SIZE = (0.02, 0.98), 0.2, 0.1, 3.0  # of the points; ranges beyond them, and away from 0; sizes that count
 _PATCHES = (0.5, 0.2)  # around one point of the boundary, as shares of its components
-_PRESSURE = {"min": "-1.1", "max": "-0.9"}
+_BESIDE = 0.1  # the pressure at which the boundary is found, as a share
+_SIZES = ((-3, 3), (-9, 9))  # powers of ten of places, the first in which K has a boundary
 
 
 def around_the_boundary(subject: FormulaSubject) -> Iterator[Ranges]:
@@ -45,32 +48,46 @@ def around_the_boundary(subject: FormulaSubject) -> Iterator[Ranges]:
     apart = np.abs(near[:, :, None] - near[:, None]) + np.abs(near)[:, :, None] * np.eye(near.shape[1])  # of principal stresses, too
     centre = near[np.argmax(apart.min(axis=(1, 2)) / np.linalg.norm(near, axis=1))]
     ends += [np.clip((centre - share * np.abs(centre), centre + share * np.abs(centre)), *own) for share in _PATCHES]
+    names, beside = law.forces, [np.zeros(0)] * 2
+    if law.pressure:
+        value = others_at(subject, next(iter(subject.choices(1))))[0]
+        names, beside = (*law.forces, law.pressure), [np.array([value * (1 + share)]) for share in (_BESIDE, -_BESIDE)]
     for low, high in ends:
-        found = {law.pressure: _PRESSURE} if law.pressure else {}
-        found |= {x: {"min": _short(a), "max": _short(b)} for x, a, b in zip(law.forces, low, high, strict=True)}
-        if all(float(side["min"]) < float(side["max"]) for side in found.values()):
+        sides = zip(names, *(np.concatenate(both) for both in zip((low, high), beside, strict=True)), strict=True)
+        found = {name: _entry(law.domain.get(name, REAL), *side) for name, *side in sides}
+        if all(Fraction(side["min"]) < Fraction(side["max"]) for side in found.values()):
             yield found
 
 
-def _short(x: float) -> str:
-    return f"{float(f'{x:.2g}'):g}"
+def _entry(own: Domain, low: float, high: float) -> dict[str, str]:
+    """Both ends in few digits, or those of the range that a law has of its own, where that ends before."""
+    least, most = (Decimal(f"{x:.2g}") for x in (low, high))
+    return {
+        "min": f"{least:f}" if own.low is None or own.low <= Fraction(least) else str(own.low),
+        "max": f"{most:f}" if own.high is None or own.high >= Fraction(most) else str(own.high),
+    }
 
 
 @np.errstate(all="ignore")  # where a formula has no value it is nan, or infinite
 def _boundary(subject: FormulaSubject) -> NDArray[np.float64]:
     """Points of the boundary, of all sizes, between places inside and outside."""
     law, rng = subject.law, np.random.default_rng(3)
-    run, drawn = compiled(law.g, law.symbols().values()), places_in_ranges(law)
-    drawn = drawn[np.argsort(np.linalg.norm(drawn, axis=1))]
-    chosen = islice(subject.choices(_CHOICES), _CHOICES)
-    return np.concatenate([drawn[:0], *(_between(run, drawn, others_at(subject, parameters), rng) for parameters in chosen)])
+    run, chosen = compiled(law.g, law.symbols().values()), [*islice(subject.choices(_CHOICES), _CHOICES)]
+    found = np.zeros((0, len(law.forces)))
+    for sizes in _SIZES:
+        drawn = places_in_ranges(law, sizes)
+        drawn = drawn[np.argsort(np.linalg.norm(drawn, axis=1))]
+        found = np.concatenate([found, *(_between(run, drawn, others_at(subject, parameters), rng) for parameters in chosen)])
+        if len(found):
+            break
+    return found
 
 
 @np.errstate(invalid="ignore")  # of ranges without an end
-def places_in_ranges(law: Criterion) -> NDArray[np.float64]:
+def places_in_ranges(law: Criterion, sizes: tuple[int, int] = _SIZES[0]) -> NDArray[np.float64]:
     """Drawn places of many sizes, some of whose forces are 0, and zero force, as far as the ranges of the forces allow that."""
     rng, (low, high) = np.random.default_rng(11), np.array([law.domain.get(name, REAL).ends for name in law.forces]).T
-    drawn = rng.standard_normal((_MANY, len(low))) * 10.0 ** rng.uniform(-3, 3, (_MANY, 1))
+    drawn = rng.standard_normal((_MANY, len(low))) * 10.0 ** rng.uniform(*sizes, (_MANY, 1))
     drawn = np.concatenate([drawn, drawn * rng.integers(0, 2, drawn.shape), 0 * drawn[:1]])
     both, below, above = np.isfinite(low) & np.isfinite(high), np.isfinite(low), np.isfinite(high)
     inside = low + rng.random(drawn.shape) * (high - low)
