@@ -13,7 +13,7 @@ where eigenvalues are equal; else, and then at less cost, a norm at its zero is 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache, partial, reduce
 from itertools import combinations, count
 from typing import Any
@@ -26,9 +26,9 @@ from duhem.errors import InputError
 from duhem.expression import numpy_
 from duhem.expression.elementary import ELEMENTARY, Elementary, array_function, on_arrays
 from duhem.expression.fold import Recording, Table, recorded, same
-from duhem.expression.numpy_ import COMPARED, Program, filled, length
+from duhem.expression.numpy_ import Program, filled, length
 from duhem.expression.pnorm import PNorm, recognised
-from duhem.expression.vocabulary import Atan2, EigMax, Neg, Norm, Pos, Where, rows
+from duhem.expression.vocabulary import COMPARISONS, Atan2, EigMax, Neg, Norm, Pos, Where, rows
 
 __all__ = ["KINKED", "ROUNDING", "STEEPEST", "TABLE", "Choices", "Jet", "JetProgram", "formula", "program"]
 
@@ -81,6 +81,11 @@ def added(first: Any, second: Any) -> Any:
     return first + second
 
 
+def total(factors: Iterable[Any], arrays: Iterable[Any]) -> Any:
+    """The sum of factors times arrays, as :func:`times` and :func:`added` have them."""
+    return reduce(added, map(times, factors, arrays))
+
+
 def outer(first: Array, second: Array) -> Array:
     """a b^T (N, d, d)."""
     return first[:, :, None] * second[:, None, :]
@@ -99,6 +104,20 @@ def chain(x: Jet, value: Any, slope: Any, curvature: Callable[[], Any]) -> Jet:
 def least_order(jets: Sequence[Jet]) -> int:
     """Constants have all derivatives, whatever is followed of the rest."""
     return min([j.order for j in jets if j.gradient is not None], default=2)
+
+
+def weighted(value: Any, factors: Sequence[Any], jets: Sequence[Jet]) -> Jet:
+    """The ``value`` with the derivatives of a sum of jets times ``factors`` that are held fixed."""
+    gradient, hessian = total(factors, (j.gradient for j in jets)), total(factors, (j.hessian for j in jets))
+    return Jet(value, gradient, hessian, least_order(jets))
+
+
+def bent(jet: Jet, a: Any, b: Any) -> Jet:
+    """The jet with a b^T + b a^T added to its second derivatives, if these are followed."""
+    if jet.order == 1 or a is None or b is None:
+        return jet
+    cross = outer(a, b)
+    return replace(jet, hessian=added(jet.hessian, cross + np.swapaxes(cross, 1, 2)))
 
 
 Choices = NDArray[np.int8]
@@ -193,12 +212,7 @@ def _sum(a: Jet, b: Jet) -> Jet:
 
 
 def _product(a: Jet, b: Jet) -> Jet:
-    gradient, order = added(times(a.value, b.gradient), times(b.value, a.gradient)), least_order((a, b))
-    hessian = added(times(a.value, b.hessian), times(b.value, a.hessian))
-    if order == 2 and a.gradient is not None and b.gradient is not None:
-        cross = outer(a.gradient, b.gradient)
-        hessian = added(hessian, cross + np.swapaxes(cross, 1, 2))
-    return Jet(a.value * b.value, gradient, hessian, order)
+    return bent(weighted(a.value * b.value, (a.value, b.value), (b, a)), a.gradient, b.gradient)
 
 
 def _power(node: Any, base: Jet, exponent: Jet) -> Jet:
@@ -223,17 +237,9 @@ def _elementary(word: Elementary, x: Jet) -> Jet:
 
 def _atan2(node: Any, y: Jet, x: Jet) -> Jet:
     size = np.hypot(x.value, y.value)
-    c, s = x.value / size, y.value / size  # nan at (0, 0)
-    gradient = added(times(c / size, y.gradient), times(-s / size, x.gradient))
-    value = numpy_.TABLE[Atan2](node, y.value, x.value)
-    if (order := least_order((y, x))) == 1:
-        return Jet(value, gradient, None, 1)
-    hessian = added(times(c / size, y.hessian), times(-s / size, x.hessian))
-    if gradient is not None:  # the angle turns as the size grows
-        growth = added(times(c / size, x.gradient), times(s / size, y.gradient))
-        cross = outer(gradient, growth)
-        hessian = added(hessian, -(cross + np.swapaxes(cross, 1, 2)))
-    return Jet(value, gradient, hessian, order)
+    c, s = x.value / size / size, y.value / size / size  # nan at (0, 0)
+    turn = weighted(numpy_.TABLE[Atan2](node, y.value, x.value), (c, -s), (y, x))
+    return bent(turn, times(-1.0, turn.gradient), total((c, s), (x.gradient, y.gradient)))  # the angle turns less as the size grows
 
 
 def _pnorm(node: Any, p: Jet, *args: Jet) -> Jet:
@@ -250,35 +256,31 @@ def _p_norm(p: float, value: Any, args: tuple[Jet, ...], turning: bool = True) -
     parts = [np.clip(a.value / unit, -1.0, 1.0) for a in args]
     shares = [np.abs(part) for part in parts] if p != 2.0 or least_order(args) > 1 else []
     slopes = parts if p == 2.0 else [np.sign(a.value) * np.power(s, p - 1) for a, s in zip(args, shares, strict=True)]
-    gradient: Array | None = None
-    hessian: Array | None = None
-    for a, slope in zip(args, slopes, strict=True):
-        gradient = added(gradient, times(slope, a.gradient))
-        hessian = added(hessian, times(slope, a.hessian))
-    if (order := least_order(args)) == 1:
-        return Jet(value, gradient, None, 1)
-    signs = [np.where(a.value < 0, -1.0, 1.0) for a in args]
+    jet = weighted(value, slopes, args)
+    if jet.order == 1:
+        return jet
+    hessian, signs = jet.hessian, [np.where(a.value < 0, -1.0, 1.0) for a in args]
     for i, j in combinations(range(len(args)), 2) if turning else ():
-        turn = added(times(shares[j] * signs[i], args[i].gradient), times(-shares[i] * signs[j], args[j].gradient))
+        turn = total((shares[j] * signs[i], -shares[i] * signs[j]), (args[i].gradient, args[j].gradient))
         if turn is None:
             continue
         weight = (p - 1) * np.power(np.maximum(shares[i], _TINY), p - 2) * np.power(np.maximum(shares[j], _TINY), p - 2) / unit
         hessian = added(hessian, times(np.where(value > 0.0, weight, 0.0), outer(turn, turn)))
-    return Jet(value, gradient, hessian, order)
+    return replace(jet, hessian=hessian)
 
 
 def _abs(_: Any, index: int, noted: _Met, x: Jet) -> Jet:
-    return _chain_linear(x, noted.choose(index, np.where(x.value < 0, -1, 1)).astype(np.float64))
+    return _multiple(noted.choose(index, np.where(x.value < 0, -1, 1)).astype(np.float64), x)
 
 
 def _ramp(node: Any, index: int, noted: _Met, x: Jet) -> Jet:
     # at 0 the piece beyond it, for pos and neg alike: where both took the zero piece, their law would lose its curvature
     slope = noted.choose(index, x.value >= 0 if node.slope > 0 else x.value < 0).astype(np.float64)
-    return _chain_linear(x, slope if node.slope == 1 else node.slope * slope)
+    return _multiple(slope if node.slope == 1 else node.slope * slope, x)
 
 
-def _chain_linear(x: Jet, slope: Array) -> Jet:
-    return Jet(slope * x.value, times(slope, x.gradient), times(slope, x.hessian), x.order)
+def _multiple(slope: Array, x: Jet) -> Jet:
+    return weighted(slope * x.value, (slope,), (x,))
 
 
 def _extreme(node: Any, index: int, noted: _Met, *args: Jet) -> Jet:
@@ -438,7 +440,7 @@ def _eigmax(_: Any, index: int, noted: _Met, *entries: Jet) -> Jet:
         """n . (dA) m."""
         weights = [n[..., i] * m[..., i] for i in range(3)]
         weights += [n[..., i] * m[..., j] + n[..., j] * m[..., i] for i, j in ((1, 2), (0, 2), (0, 1))]
-        return reduce(added, map(times, weights, derivatives))
+        return total(weights, derivatives)
 
     gradients = [a.gradient for a in entries]
     gradient = along(n, gradients)
@@ -473,7 +475,7 @@ _SMOOTH: Table[Jet] = {
     Norm: lambda _, *args: _p_norm(2.0, length(*(a.value for a in args)), args),
     EigMax: _eigmax,
     PNorm: _pnorm,
-    **{kind: lambda _, a, b, holds=holds: Jet(np.where(holds(a.value, b.value), 1.0, 0.0)) for kind, holds in COMPARED.items()},
+    **{kind: lambda _, a, b, holds=holds: Jet(np.where(holds(a.value, b.value), 1.0, 0.0)) for kind, holds in COMPARISONS.items()},
 }
 KINKED: Table[Jet] = {sp.Abs: _abs, Pos: _ramp, Neg: _ramp, sp.Max: _extreme, sp.Min: _extreme, Where: _where}
 _AT_ZERO: Table[Jet] = {Norm: _norm_at_zero, PNorm: _pnorm_at_zero}

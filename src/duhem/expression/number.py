@@ -177,8 +177,7 @@ class InertNumber(sp.NumberSymbol):
     def _sympystr(self, printer: Any) -> str:
         return str(printer._print(self.value))
 
-    def _latex(self, printer: Any) -> str:
-        return str(printer._print(self.value))
+    _latex = _sympystr
 
     def __getnewargs__(self) -> tuple[sp.Rational]:
         return (self.value,)
