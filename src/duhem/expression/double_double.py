@@ -120,8 +120,7 @@ def _quotient(a: Pair, b: Pair) -> Pair:
     rest = added(a, _minus(product(b, Pair(first, 0.0))))
     second = rest.high / b.high
     rest = added(rest, _minus(product(b, Pair(second, 0.0))))
-    high, low = _quick(first, second)
-    return added(Pair(high, low), Pair(rest.high / b.high, 0.0))
+    return added(_quick(first, second), Pair(rest.high / b.high, 0.0))
 
 
 def _root(a: Pair) -> Pair:

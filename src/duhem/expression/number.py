@@ -40,8 +40,6 @@ def exact_number(x: Any) -> sp.Rational:
     part in a million, as they are of 0.25; of 0.1 it holds 0.0999755859375, and which is meant nobody can tell.  That, infinities,
     truth values and anything else raise InputError.
     """
-    if isinstance(x, sp.Rational):
-        return _bounded(x)
     if isinstance(x, bool):
         raise InputError(f"{x} is a truth value, not a number", remedy=_REMEDY)
     if isinstance(x, str):

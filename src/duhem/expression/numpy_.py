@@ -152,7 +152,7 @@ TABLE: Table[Any] = {
     sp.Pow: _power,
     sp.Abs: lambda _, x: np.abs(x),
     EigMax: _eigmax,
-    **{word.node: lambda _, x, function=array_function(word.numpy): function(x) for word in ELEMENTARY.values()},
+    **{word.node: lambda _, x, f=f: f(x) for word in ELEMENTARY.values() for f in [array_function(word.numpy)]},
     Atan2: _atan2,
     sp.Min: lambda _, *x: reduce(np.minimum, x),
     sp.Max: lambda _, *x: reduce(np.maximum, x),

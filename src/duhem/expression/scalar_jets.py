@@ -12,7 +12,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial, reduce
 from itertools import combinations
-from typing import Any
+from typing import Any, TypeVar
 
 import sympy as sp
 
@@ -35,6 +35,7 @@ _MOST_SQUARINGS = 64  # a whole exponent up to this is multiplied out
 
 Slopes = Mapping[int, str]
 Bends = Mapping[tuple[int, int], str]
+K = TypeVar("K")
 
 
 @dataclass(frozen=True)
@@ -163,8 +164,7 @@ class _Writer:
             return _Jet(value)
         first, second = self.let(slope), self.let(bend)
         slopes = {i: self.let(f"{first} * {a}") for i, a in x.slopes.items()}
-        bends = {ij: f"{first} * {a}" for ij, a in x.bends.items()}
-        return self.named(value, slopes, self.with_outer(bends, {i: f"{second} * {a}" for i, a in x.slopes.items()}, x.slopes))
+        return self.named(value, slopes, self.with_outer(_times(first, x.bends), _times(second, x.slopes), x.slopes))
 
     def named(self, value: str, slopes: Slopes, bends: Bends) -> _Jet:
         return _Jet(value, {i: self.let(a) for i, a in slopes.items()}, {ij: self.let(a) for ij, a in bends.items()})
@@ -172,12 +172,10 @@ class _Writer:
     def with_outer(self, bends: Bends, a: Slopes, b: Slopes) -> Bends:
         """Second derivatives with a b^T added; of a matrix that is not symmetric the half that is kept."""
         more = {(i, j): f"{a[i]} * {b[j]}" for i, j in self.pairs({**a, **b}) if i in a and j in b}
-        return {ij: self.let(_plus(bends.get(ij), more.get(ij))) for ij in {**bends, **more}}
+        return {ij: self.let(text) for ij, text in _added(bends, more).items()}
 
     def sum(self, a: _Jet, b: _Jet) -> _Jet:
-        slopes = {i: _plus(a.slopes.get(i), b.slopes.get(i)) for i in {**a.slopes, **b.slopes}}
-        bends = {ij: _plus(a.bends.get(ij), b.bends.get(ij)) for ij in {**a.bends, **b.bends}}
-        return self.named(self.let(f"{a.value} + {b.value}"), slopes, bends)
+        return self.named(self.let(f"{a.value} + {b.value}"), _added(a.slopes, b.slopes), _added(a.bends, b.bends))
 
     def product(self, a: _Jet, b: _Jet) -> _Jet:
         jet = self.weighted([(b.value, a), (a.value, b)])
@@ -231,13 +229,8 @@ class _Writer:
 
     def weighted(self, parts: Sequence[tuple[str, _Jet]]) -> _Jet:
         """The derivatives of a sum of jets with factors that are held fixed."""
-        slopes: dict[int, str] = {}
-        bends: dict[tuple[int, int], str] = {}
-        for factor, jet in parts:
-            for i, a in jet.slopes.items():
-                slopes[i] = _plus(slopes.get(i), f"{factor} * {a}")
-            for ij, a in jet.bends.items():
-                bends[ij] = _plus(bends.get(ij), f"{factor} * {a}")
+        slopes: Slopes = reduce(_added, (_times(factor, jet.slopes) for factor, jet in parts), {})
+        bends: Bends = reduce(_added, (_times(factor, jet.bends) for factor, jet in parts), {})
         return self.named("0.0", slopes, bends)
 
     def norm(self, p: Any, *parts: _Jet) -> _Jet:
@@ -260,7 +253,7 @@ class _Writer:
             if not turn:
                 continue
             weight = self.let(f"{_number(p - 1)} * {steep[i]} * {steep[j]} * {one} if {value} > 0.0 else 0.0")
-            bends = self.with_outer(bends, {k: f"{weight} * {a}" for k, a in turn.items()}, turn)
+            bends = self.with_outer(bends, _times(weight, turn), turn)
         return self.named(value, jet.slopes, bends)
 
     def pairs(self, keys: Iterable[int]) -> list[tuple[int, int]]:
@@ -328,7 +321,7 @@ class _Writer:
             )
             for share, turn in zip(shares, axis.turns, strict=True):
                 factor = self.let(f"{used} ({share})")
-                bends = self.with_outer(bends, {i: f"{factor} * {a}" for i, a in turn.items()}, turn)
+                bends = self.with_outer(bends, _times(factor, turn), turn)
         return bends
 
     # -- kinks -------------------------------------------------------------------------------------------------
@@ -416,8 +409,13 @@ def _number(node: Any) -> str:
     return repr(value)
 
 
-def _plus(first: str | None, second: str | None) -> str:
-    return first or second or "0.0" if first is None or second is None else f"{first} + {second}"
+def _times(factor: str, of: Mapping[K, str]) -> Mapping[K, str]:
+    return {place: f"{factor} * {text}" for place, text in of.items()}
+
+
+def _added(first: Mapping[K, str], second: Mapping[K, str]) -> Mapping[K, str]:
+    """Place by place; what has no text is 0."""
+    return {place: " + ".join(of[place] for of in (first, second) if place in of) for place in {**first, **second}}
 
 
 def _squares(texts: Sequence[str]) -> str:

@@ -211,13 +211,11 @@ class _CriterionReader(SectionReader):
             self.alone(own, "g", "potential", "[flow]", "[surface]")
         slots = variables.slots(forces)
         surfaces = self.surfaces(axes, read, slots)
-        bounded = self.rate_potential if viscous else partial(self.whole, slots=slots)
-        whole = YieldSurface(sp.nan) if surfaces or of_rates else bounded(axes, read)
+        whole = YieldSurface(sp.nan) if surfaces or of_rates else self.whole(axes, read, slots)
         head = self.head(forces, pressure, domains, define) | self.state(variables, read, slots) | {"viscous": viscous}
-        bounds = {key: getattr(whole, key) for key in ("g", "flow", "potential", "written", "written_flow")}
         domain = self.ranges(forces, pressure)
         with faults_at(self.where):
-            law = Criterion(**head, **bounds, stress=stress, define=define, domain=domain, surfaces=surfaces)
+            law = Criterion(**head, **vars(whole), stress=stress, define=define, domain=domain, surfaces=surfaces)
         check_domain(law, where=self.place("criterion", "constraints"))
         return law
 
@@ -437,11 +435,6 @@ class _CriterionReader(SectionReader):
 
     # -- what bounds K, and the slip there ----------------------------------------------------------------------
 
-    def rate_potential(self, forces: Sequence[sp.Symbol], read: Reading) -> YieldSurface:
-        """The potential of [dissipation], whose gradient by the forces the rates are."""
-        potential, written = self.of_forces("the potential", "dissipation", "potential", forces=forces, read=read)
-        return YieldSurface(potential, written=written)
-
     def of_forces(self, what: str, *path: Key, forces: Sequence[sp.Symbol], read: Reading) -> tuple[sp.Expr, str]:
         """The formula at a place, which depends on a force, and its text."""
         formula, written = read(*path)
@@ -450,7 +443,10 @@ class _CriterionReader(SectionReader):
         return formula, written
 
     def whole(self, forces: Sequence[sp.Symbol], read: Reading, slots: Slots) -> YieldSurface:
-        """The one surface of a law without [[surface]]: g and potential in [criterion], or [flow]."""
+        """The one surface of a law without [[surface]]: g and potential in [criterion], or [flow]; or the potential of [dissipation]."""
+        if "potential" in self.table("dissipation", required=False):
+            potential, written = self.of_forces("the potential", "dissipation", "potential", forces=forces, read=read)
+            return YieldSurface(potential, written=written)
         flow = ("flow", "direction") if "flow" in self.document else ()
         if flow:
             self.keys("flow", self.table("flow"), ("direction",))

@@ -406,8 +406,7 @@ class Criterion(DeclaredLaw):
                 what = "a law with several surfaces takes g and flow from its surfaces"
                 raise InputError(what, where=self.name, remedy="remove g, flow and potential")
             whole = YieldSurface(most, written=f"max({', '.join(texts)})" if all(texts) else "")
-        bounds = {name: getattr(whole, name) for name in ("g", "flow", "potential", "written", "written_flow")}
-        self._set(surfaces=tuple(surfaces), **bounds)
+        self._set(surfaces=tuple(surfaces), **vars(whole))
 
     @property
     def graph(self) -> Graph | None:
