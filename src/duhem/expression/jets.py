@@ -135,9 +135,8 @@ class _Met:
         self.shifted: dict[int, _ShiftedNorm | _Axes] = {}
 
     def choose(self, index: int, natural: NDArray[Any]) -> NDArray[Any]:
-        if self.given is not None:
-            return self.given[:, index]
-        self.taken[:, index] = natural
+        if self.given is None:
+            self.taken[:, index] = natural
         return self.taken[:, index]
 
     def shift(self, gradient: Array, index: int) -> Array:

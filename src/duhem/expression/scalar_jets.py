@@ -66,7 +66,7 @@ def scalar_jets(expr: sp.Expr, forces: Sequence[sp.Symbol], others: Sequence[sp.
     formula, numbers = recognised(expr), dict[str, int]()
     value = _Writer(0, numbers)
     last = fold(formula, value.table(), value.leaf(forces, others))
-    level = ["def level(v, x, q):", *value.live([last.value]), f"    return {last.value}"]
+    level = value.function("def level(v, x, q):", [f"    return {last.value}"])
     whole = _Writer(len(forces), numbers)
     jet = fold(formula, whole.table(), whole.leaf(forces, others))
     d = range(len(forces))
@@ -74,19 +74,18 @@ def scalar_jets(expr: sp.Expr, forces: Sequence[sp.Symbol], others: Sequence[sp.
     bent = whole.finished(jet)
     bends = [f"    m[bends, {i}, {j}] = {bent.get((min(i, j), max(i, j)), '0.0')}" for i in d for j in d]
     head = "def piece(v, x, q, natural, choices, c, slopes, m, bends):"
-    piece = [head, *whole.live([*slopes, *bends, jet.value]), *slopes, *bends, f"    return {jet.value}"]
+    piece = whole.function(head, [*slopes, *bends, f"    return {jet.value}"])
 
-    def first_order(head: str, of_pair: bool) -> list[str]:
+    def first_order(head: str, of_pair: bool) -> str:
         plain = _Writer(len(forces), numbers, named=False, of_pair=of_pair)
         once = fold(formula, plain.table(), plain.leaf(forces, others))
         ends = [f"    v[slopes, {i}] = {once.slopes.get(i, '0.0')}" for i in d]
         ends.append(f"    return {once.value}" if of_pair else "    return")
-        return [head, *plain.live(ends), *ends]
+        return plain.function(head, ends)
 
     gradient = first_order("def gradient(v, x, q, slopes):", of_pair=False)
-    pair_piece = first_order("def pair_piece(v, x, q, natural, c, slopes):", of_pair=True) if whole.shifted else []
-    texts = ["\n".join(lines) for lines in (level, gradient, pair_piece, piece)]
-    return ScalarJets(texts[0], texts[1], texts[2], texts[3], whole.kinks, len(whole.shifted), tuple(map(float, numbers)))
+    pair_piece = first_order("def pair_piece(v, x, q, natural, c, slopes):", of_pair=True) if whole.shifted else ""
+    return ScalarJets(level, gradient, pair_piece, piece, whole.kinks, len(whole.shifted), tuple(map(float, numbers)))
 
 
 @dataclass(frozen=True)
@@ -128,16 +127,16 @@ class _Writer:
         self.lines.append(f"    t{len(self.lines)} = {text}")
         return f"t{len(self.lines) - 1}"
 
-    def live(self, results: Sequence[str]) -> list[str]:
-        """The lines that the ``results`` need."""
-        needed, kept = {name for text in results for name in _NAME.findall(text)}, []
+    def function(self, head: str, ends: Sequence[str]) -> str:
+        """The function that ends with these lines, with the others that they need."""
+        needed, kept = {name for text in ends for name in _NAME.findall(text)}, list[str]()
         for line in reversed(self.lines):
             name = line.partition(" = ")[0].strip()
             if name.isidentifier() and name not in needed:
                 continue
             needed.update(_NAME.findall(line))
             kept.append(line)
-        return kept[::-1]
+        return "\n".join([head, *kept[::-1], *ends])
 
     def leaf(self, forces: Sequence[sp.Symbol], others: Sequence[sp.Symbol]) -> Callable[[Any], _Jet]:
         def jet(node: Any) -> _Jet:

@@ -300,9 +300,10 @@ class _CriterionReader(SectionReader):
             domain = self.domain(key, {name: value for name, value in entry.items() if name in _PARAMETER}, "variables")
             force = spelled(entry["force"]) if "force" in entry else None
             found[spelled(key)] = Variable(force, "observable" in entry, "temperature" in entry, domain)
-        for name, what, remedy in misfits(found, forces, "energy" in self.document):
+        variables = Variables(found)
+        for name, what, remedy in misfits(variables, forces, "energy" in self.document):
             raise self.error(what, "variables", name, remedy=remedy)
-        return Variables(found)
+        return variables
 
     def bodies(self) -> Mapping[str, Any]:
         """The temperatures of bodies that exchange heat, each with its conductance."""
