@@ -420,11 +420,11 @@ class _Axes:
         kink = (~smooth & (nearest <= _NOTHING * by.size)) | ~self.values.any(axis=-1) if strict else False
         tiny = np.finfo(np.float64).tiny  # where all three are equal, those of A and of -A have half of the outermost pair each
         limits = (by.bend * (nearest + tiny) / (outermost + 2 * tiny), by.bend)
-        quotients = (
-            np.where(kink, np.nan, np.where(smooth, limit, 2 * by.rate / gap))
-            for limit, gap in zip(limits, (outermost, nearest), strict=True)
-        )
-        return np.asarray(sum(share[:, None, None] * outer(turn, turn) for share, turn in zip(quotients, self.turns, strict=True)))
+        found = np.zeros((1, 1, 1))
+        for limit, gap, turn in zip(limits, (outermost, nearest), self.turns, strict=True):
+            share = np.where(kink, np.nan, np.where(smooth, limit, 2 * by.rate / gap))
+            found = found + share[:, None, None] * outer(turn, turn)
+        return found
 
 
 def _eigmax(_: Any, index: int, noted: _Met, *entries: Jet) -> Jet:
@@ -465,7 +465,8 @@ def _decomposed(matrices: Array) -> tuple[Array, Array]:
     return np.where(known[..., 0], values, np.nan), np.where(turned, vectors[..., ::-1], vectors)
 
 
-_SMOOTH: Table[Jet] = {
+KINKED: Table[Jet] = {sp.Abs: _abs, Pos: _ramp, Neg: _ramp, sp.Max: _extreme, sp.Min: _extreme, Where: _where}
+TABLE: Table[Jet] = {
     sp.Add: lambda _, *terms: reduce(_sum, terms),
     sp.Mul: lambda _, *factors: reduce(_product, factors),
     sp.Pow: _power,
@@ -475,8 +476,7 @@ _SMOOTH: Table[Jet] = {
     EigMax: _eigmax,
     PNorm: _pnorm,
     **{kind: lambda _, a, b, holds=holds: Jet(np.where(holds(a.value, b.value), 1.0, 0.0)) for kind, holds in COMPARISONS.items()},
+    **KINKED,
 }
-KINKED: Table[Jet] = {sp.Abs: _abs, Pos: _ramp, Neg: _ramp, sp.Max: _extreme, sp.Min: _extreme, Where: _where}
 _AT_ZERO: Table[Jet] = {Norm: _norm_at_zero, PNorm: _pnorm_at_zero}
 _SHIFTED = (_eigmax, *_AT_ZERO.values())
-TABLE: Table[Jet] = {**_SMOOTH, **KINKED}

@@ -111,14 +111,10 @@ def _from_text(text: str) -> sp.Rational:
     if match is None:
         raise InputError(f"{text[:40]!r} is not a number", remedy=_REMEDY)
     sign, over, under = match.groups()
-    value = _decimal(over)
-    if under is not None:
-        divisor = _decimal(under)
-        if divisor == 0:
-            raise InputError(f"{text[:40]!r} divides by zero", remedy=_REMEDY)
-        value /= divisor
-    value = -value if sign == "-" else value
-    return rational(value)
+    value, divisor = _decimal(over), _decimal(under or "1")
+    if divisor == 0:
+        raise InputError(f"{text[:40]!r} divides by zero", remedy=_REMEDY)
+    return rational((-value if sign == "-" else value) / divisor)
 
 
 def _decimal(text: str) -> Fraction:

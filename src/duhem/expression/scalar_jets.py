@@ -18,7 +18,7 @@ import sympy as sp
 
 from duhem.errors import InputError
 from duhem.expression.elementary import ELEMENTARY, Elementary
-from duhem.expression.fold import Table, fold
+from duhem.expression.fold import fold
 from duhem.expression.jets import ROUNDING, STEEPEST
 from duhem.expression.pnorm import PNorm, recognised
 from duhem.expression.vocabulary import COMPARISONS, Atan2, EigMax, Neg, Norm, Pos, Where
@@ -65,10 +65,10 @@ def scalar_jets(expr: sp.Expr, forces: Sequence[sp.Symbol], others: Sequence[sp.
     """``expr`` differentiated in the ``forces``.  InputError for what has no text: a norm whose exponent is open."""
     formula, numbers = recognised(expr), dict[str, int]()
     value = _Writer(0, numbers)
-    last = fold(formula, value.table(), value.leaf(forces, others))
+    last = value.jet(formula, forces, others)
     level = value.function("def level(v, x, q):", [f"    return {last.value}"])
     whole = _Writer(len(forces), numbers)
-    jet = fold(formula, whole.table(), whole.leaf(forces, others))
+    jet = whole.jet(formula, forces, others)
     d = range(len(forces))
     slopes = [f"    v[slopes, {i}] = {jet.slopes.get(i, '0.0')}" for i in d]
     bent = whole.finished(jet)
@@ -78,7 +78,7 @@ def scalar_jets(expr: sp.Expr, forces: Sequence[sp.Symbol], others: Sequence[sp.
 
     def first_order(head: str, of_pair: bool) -> str:
         plain = _Writer(len(forces), numbers, named=False, of_pair=of_pair)
-        once = fold(formula, plain.table(), plain.leaf(forces, others))
+        once = plain.jet(formula, forces, others)
         ends = [f"    v[slopes, {i}] = {once.slopes.get(i, '0.0')}" for i in d]
         ends.append(f"    return {once.value}" if of_pair else "    return")
         return plain.function(head, ends)
@@ -138,8 +138,10 @@ class _Writer:
             kept.append(line)
         return "\n".join([head, *kept[::-1], *ends])
 
-    def leaf(self, forces: Sequence[sp.Symbol], others: Sequence[sp.Symbol]) -> Callable[[Any], _Jet]:
-        def jet(node: Any) -> _Jet:
+    def jet(self, formula: sp.Basic, forces: Sequence[sp.Symbol], others: Sequence[sp.Symbol]) -> _Jet:
+        """What the formula is, once the lines so far have run."""
+
+        def leaf(node: Any) -> _Jet:
             if node in forces:
                 i = list(forces).index(node)
                 return _Jet(f"v[x, {i}]", {i: "1.0"} if self.d else {})
@@ -150,10 +152,7 @@ class _Writer:
                 return _Jet(f"({text})")
             return _Jet(f"q[{len(others) + self.numbers.setdefault(text, len(self.numbers))}]")
 
-        return jet
-
-    def table(self) -> Table[_Jet]:
-        return {kind: partial(row, self) for kind, row in TABLE.items()}
+        return fold(formula, {kind: partial(row, self) for kind, row in TABLE.items()}, leaf)
 
     # -- smooth ------------------------------------------------------------------------------------------------
 
@@ -395,7 +394,7 @@ def scalar_values(name: str, exprs: Sequence[sp.Basic], others: Sequence[sp.Symb
     """
     numbers = dict[str, int]()
     writer = _Writer(0, numbers)
-    found = [fold(recognised(expr), writer.table(), writer.leaf((), others)).value for expr in exprs]
+    found = [writer.jet(recognised(expr), (), others).value for expr in exprs]
     lines = [f"def {name}(q, out):", *writer.lines, *(f"    out[{k}] = {value}" for k, value in enumerate(found)), "    return"]
     return "\n".join(lines), tuple(map(float, numbers))
 
