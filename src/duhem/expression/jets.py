@@ -139,9 +139,10 @@ class _Met:
             self.taken[:, index] = natural
         return self.taken[:, index]
 
-    def shift(self, gradient: Array, index: int) -> Array:
-        """The slopes of the shift of a node: those of a variable of its own."""
-        return np.eye(gradient.shape[1])[index - self.shifts]
+    def with_shift(self, jet: Jet, index: int, node: _ShiftedNorm | _Axes) -> Jet:
+        """The ``jet`` of a node with its shift, a variable of its own; what the node adds is left to :func:`_finished`."""
+        self.shifted[index] = node
+        return replace(jet, gradient=jet.gradient + np.eye(jet.gradient.shape[1])[index - self.shifts])
 
 
 @dataclass(frozen=True)
@@ -390,19 +391,17 @@ class _ShiftedNorm:
 
 
 def _norm_at_zero(_: Any, index: int, noted: _Met, *args: Jet) -> Jet:
-    return _with_shift(index, noted, _p_norm(2.0, length(*(a.value for a in args)), args, turning=False), args, round=True)
+    return _shifted(index, noted, _p_norm(2.0, length(*(a.value for a in args)), args, turning=False), args, round=True)
 
 
 def _pnorm_at_zero(node: Any, index: int, noted: _Met, p: Jet, *args: Jet) -> Jet:
-    return _with_shift(index, noted, _pnorm(node, p, *args), args, round=False)
+    return _shifted(index, noted, _pnorm(node, p, *args), args, round=False)
 
 
-def _with_shift(index: int, noted: _Met, jet: Jet, parts: Sequence[Jet], round: bool) -> Jet:
-    """The ``jet`` of a norm of the ``parts`` with its shift; what a round one adds is left to :func:`_finished`."""
+def _shifted(index: int, noted: _Met, jet: Jet, parts: Sequence[Jet], round: bool) -> Jet:
     if jet.gradient is None or jet.order == 1:
         return jet
-    noted.shifted[index] = _ShiftedNorm(jet.value, jet.gradient, parts, round)
-    return Jet(jet.value, jet.gradient + noted.shift(jet.gradient, index), jet.hessian, jet.order)
+    return noted.with_shift(jet, index, _ShiftedNorm(jet.value, jet.gradient, parts, round))
 
 
 @dataclass(frozen=True)
@@ -410,7 +409,7 @@ class _Axes:
     """The eigenvalues (N, 3), rising, and n . dA m (N, D) for the axis n of the greatest and m of the least and the middle."""
 
     values: Array
-    turns: tuple[Array, Array]
+    turns: Sequence[Array]
     steepness: Array
 
     def bends(self, by: _Slope, strict: bool) -> Array:
@@ -433,21 +432,17 @@ def _eigmax(_: Any, index: int, noted: _Met, *entries: Jet) -> Jet:
     matrices = np.stack([np.stack([np.broadcast_to(a.value, size) for a in row], axis=-1) for row in rows(*entries)], axis=-2)
     values, vectors = _decomposed(matrices)
     low, middle, n = np.moveaxis(vectors, -1, 0)
-    value, order = values[..., -1], least_order(entries)
 
-    def along(m: Array, derivatives: Iterable[Any]) -> Any:
-        """n . (dA) m."""
-        weights = [n[..., i] * m[..., i] for i in range(3)]
-        weights += [n[..., i] * m[..., j] + n[..., j] * m[..., i] for i, j in ((1, 2), (0, 2), (0, 1))]
-        return total(weights, derivatives)
+    def weights(m: Array) -> list[Array]:
+        """Of the entries of A in n . A m."""
+        pairs = [n[..., i] * m[..., j] + n[..., j] * m[..., i] for i, j in ((1, 2), (0, 2), (0, 1))]
+        return [n[..., i] * m[..., i] for i in range(3)] + pairs
 
-    gradients = [a.gradient for a in entries]
-    gradient = along(n, gradients)
-    if gradient is None or order == 1:
-        return Jet(value, gradient, None, order)
-    hessian = along(n, (a.hessian for a in entries))
-    noted.shifted[index] = _Axes(values, (along(low, gradients), along(middle, gradients)), _steepness(entries))
-    return Jet(value, gradient + noted.shift(gradient, index), hessian, order)
+    jet = weighted(values[..., -1], weights(n), entries)
+    if jet.gradient is None or jet.order == 1:
+        return jet
+    turns = [total(weights(m), (a.gradient for a in entries)) for m in (low, middle)]
+    return noted.with_shift(jet, index, _Axes(values, turns, _steepness(entries)))
 
 
 def _decomposed(matrices: Array) -> tuple[Array, Array]:

@@ -77,11 +77,8 @@ def exits(
 ) -> tuple[Array, Array]:
     """Where the rays from zero along ``ways`` (M, d) leave {g <= 0}, its ``others`` at their numbers; (M,) each, as :meth:`Rays.left`."""
     program = compiled(g, [*forces, *others])
-
-    def level(points: Array) -> Array:
-        return program(*np.moveaxis(points, -1, 0), *others.values())
-
-    return Rays(level, np.zeros(ways.shape[1]), ways).left(radii, bits)
+    rays = Rays(lambda points: program(*np.moveaxis(points, -1, 0), *others.values()), np.zeros(ways.shape[1]), ways)
+    return rays.left(radii, bits)
 
 
 def evenly_between(low: Array, high: Array, parts: int) -> Array:

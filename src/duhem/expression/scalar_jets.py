@@ -344,10 +344,10 @@ class _Writer:
         return self.times(self.let(f"{float(node.slope)} * {side}"), x)
 
     def extreme(self, node: Any, *parts: _Jet) -> _Jet:
-        sign = ">=" if isinstance(node, sp.Max) else "<="
+        less = "<" if isinstance(node, sp.Max) else ">"
         natural = str(len(parts) - 1)
         for i in reversed(range(len(parts) - 1)):
-            first = " and ".join(f"not {parts[i].value} {'<' if sign == '>=' else '>'} {b.value}" for b in parts[i + 1 :])
+            first = " and ".join(f"not {parts[i].value} {less} {b.value}" for b in parts[i + 1 :])
             natural = f"{i} if {first} else {natural}"
         return self.selected(self.chosen(natural), parts)
 

@@ -41,20 +41,8 @@ Slots = Sequence[tuple[str, str | None]]  # what each entry of a flow is the rat
 
 
 @dataclass(frozen=True)
-class SectionReader:
-    """What stands where in a document; InputError for what is missing or of another kind."""
-
-    toml: PlacedToml
-
-    @property
-    def where(self) -> str:
-        """The name of the file."""
-        return self.toml.where
-
-    @property
-    def document(self) -> Mapping[str, Any]:
-        """Everything in it."""
-        return self.toml.document
+class SectionReader(PlacedToml):
+    """A document that says what stands where in it; InputError for what is missing or of another kind."""
 
     def table(self, section: str, *, required: bool = True) -> Mapping[str, Any]:
         given = self.document.get(section)
@@ -120,7 +108,7 @@ class SectionReader:
 
     def place(self, *path: Key) -> str:
         """file:line:column of a key, or the file where the key is not found."""
-        return self.toml.place(*(key for key in path if key != ""))
+        return super().place(*(key for key in path if key != ""))
 
     def formula(self, *path: Key) -> tuple[str, int, int]:
         """A formula with the line (from 1) and column (from 0) at which it begins.
@@ -128,7 +116,7 @@ class SectionReader:
         The text is taken as written in the file, so that the columns are the file's; a formula has no use for escapes.
         """
         value = self.value(*path) if isinstance(path[-1], int) else self.string(*path)
-        written, line, column = self.toml.written(*path) or (value, 1, 0)
+        written, line, column = self.written(*path) or (value, 1, 0)
         return (value if "\\" in written else written), line, column
 
 
@@ -156,13 +144,14 @@ def reads(text: str, where: str = "criterion", folder: Path | None = None) -> La
     """The law written in ``text``; ``where`` names it in messages, tables of numbers lie in ``folder``."""
     if not text.strip():
         raise InputError("the file is empty", where=where, remedy="start from the template: duhem init NAME")
-    return _CriterionReader(parsed(text, where, number=Decimal), folder).law()
+    return _CriterionReader(**vars(parsed(text, where, number=Decimal)), folder=folder).law()
 
 
 def expected_verdicts(path: str | PathLike[str]) -> Mapping[str, str]:
     """What a file expects of its law, formulas unread; nothing where the file is none."""
     try:
-        return _CriterionReader(parsed(text_of(path, "criterion file", MOST_BYTES), f"{path}", number=Decimal)).expected()
+        toml = parsed(text_of(path, "criterion file", MOST_BYTES), f"{path}", number=Decimal)
+        return _CriterionReader(**vars(toml)).expected()
     except InputError:
         return {}
 
