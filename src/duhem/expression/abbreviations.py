@@ -407,8 +407,7 @@ class Indexed:
         tree, source = _read(text)
         if not (isinstance(tree, ast.Call) and isinstance(tree.func, ast.Name) and tree.func.id == "vector"):
             raise InputError("a vector stands beside something else", remedy='define it alone: z = "vector(i, 1, 24, ...)"')
-        writer = _Writer(self, source)
-        return list(map(WrittenOver, writer.within(_MOST_IN_ALL, tree, {})))
+        return list(map(WrittenOver, _Writer(self, source).within(_MOST_IN_ALL, tree, {})))
 
 
 def _read(text: str) -> tuple[ast.expr, bytes]:

@@ -43,8 +43,7 @@ def columns(given: Any, where: str, names: Sequence[str] = ()) -> dict[str, Any]
     first = next(iter(made.values()))
     ways = getattr(first, "dims", ())
     if other := next((name for name, column in made.items() if _apart(first, column) or getattr(column, "dims", ways) != ways), None):
-        what = f"the rows of {other!r} have other labels than those of {next(iter(made))!r}"
-        raise InputError(what, where=where, remedy=_ONE_ORDER)
+        raise InputError(f"the rows of {other!r} have other labels than those of {next(iter(made))!r}", where=where, remedy=_ONE_ORDER)
     return made
 
 

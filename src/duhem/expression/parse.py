@@ -401,10 +401,7 @@ class _Reader:
         if len(node.ops) != 1:
             remedy = "join them: 0 < x and x < 1; list them one by one in constraints"
             raise self.place.error(f"{self.quote(node)} chains comparisons", at=self.start(node), remedy=remedy)
-        kind = _COMPARISONS.get(type(node.ops[0]))
-        if kind is None:
-            raise self.place.error(f"{self.quote(node)} is no comparison", at=self.start(node), remedy="comparisons are < <= > >=")
-        return self.value(node.left, depth), self.value(node.comparators[0], depth), kind
+        return self.value(node.left, depth), self.value(node.comparators[0], depth), _COMPARISONS[type(node.ops[0])]
 
 
 def _has_too_many_tokens(text: str) -> bool:

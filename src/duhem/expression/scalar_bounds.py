@@ -31,7 +31,7 @@ FUNCTIONS = (
 )  # fmt: skip
 """What the text may call by NumPy's names."""
 
-_TRUE_OR_NOT = {
+_TRUE_OR_NOT: Mapping[np.ufunc, str] = {
     np.greater: ">", np.greater_equal: ">=", np.less: "<", np.less_equal: "<=", np.equal: "==", np.bitwise_and: "and", np.bitwise_or: "or",
 }  # fmt: skip
 _SIGNS = {np.add: "+", np.subtract: "-", np.multiply: "*", np.true_divide: "/", np.power: "**", **_TRUE_OR_NOT}

@@ -367,8 +367,7 @@ class _CriterionReader(SectionReader):
         if given is False:
             return None
         if not isinstance(given, str) or not given:
-            remedy = 'write pressure = "sigma_n", or pressure = false'
-            raise self.error("pressure is not a name", "criterion", "pressure", remedy=remedy)
+            raise self.error("pressure is not a name", "criterion", "pressure", remedy='write pressure = "sigma_n", or pressure = false')
         return str(spelled(given))
 
     def check_names(self, declared: Sequence[Declared], invariants: frozenset[str]) -> None:
@@ -491,8 +490,7 @@ class _CriterionReader(SectionReader):
             raise self.error(f"[boundary] has no {key}", "boundary", remedy=f"add {key} = {example}")
         entries = self.entries("boundary", key, example=example)
         if len(entries) != 2:
-            remedy = f"write {key} = {example}"
-            raise self.error(f"{key} has {len(entries)} components for 2 forces", "boundary", key, remedy=remedy)
+            raise self.error(f"{key} has {len(entries)} components for 2 forces", "boundary", key, remedy=f"write {key} = {example}")
         found = [read(*entry) for entry in entries]
         for entry, (expr, _) in zip(entries, found, strict=True):
             if not closes(expr, angle):

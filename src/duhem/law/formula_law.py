@@ -114,8 +114,7 @@ def flow_of(potential: sp.Expr, forces: Sequence[sp.Symbol]) -> tuple[sp.Expr, .
     """The flow that a potential gives; InputError, without a place, where it gives none."""
     flow = gradient(potential, forces)
     if not any(flow):
-        remedy = f"use at least one of {', '.join(map(str, forces))}"
-        raise InputError("the potential does not depend on any force", remedy=remedy)
+        raise InputError("the potential does not depend on any force", remedy=f"use at least one of {', '.join(map(str, forces))}")
     return flow
 
 
