@@ -285,10 +285,11 @@ class Abbreviations:
             return self.formulas[name], end
         if name not in INVARIANTS or not (called or self.stress):
             return None, end
-        if self.stress and not called and not INVARIANTS[name].indexed:
-            return self.stress.written_out(name), end
-        given, behind = _arguments(text, end) if called else ([], end)
-        return self._invariant(name, given), behind
+        if called:
+            given, end = _arguments(text, end)
+        else:
+            given = [self.stress.name] if self.stress and not INVARIANTS[name].indexed else []
+        return self._invariant(name, given), end
 
     def _invariant(self, word: str, given: list[str]) -> str | None:
         """``J2`` is ``J2(sigma)`` and ``principal(1)`` is ``principal(sigma, 1)``, as in print; None without a tensor or a stress."""
@@ -406,8 +407,7 @@ class Indexed:
         tree, source = _read(text)
         if not (isinstance(tree, ast.Call) and isinstance(tree.func, ast.Name) and tree.func.id == "vector"):
             raise InputError("a vector stands beside something else", remedy='define it alone: z = "vector(i, 1, 24, ...)"')
-        writer = _Writer(self, source)
-        return list(map(WrittenOver, writer.within(_MOST_IN_ALL, tree, {})))
+        return list(map(WrittenOver, _Writer(self, source).within(_MOST_IN_ALL, tree, {})))
 
 
 def _read(text: str) -> tuple[ast.expr, bytes]:

@@ -162,27 +162,21 @@ def _with(where: Branch, more: Iterable[tuple[sp.Expr, int]], expr: sp.Expr, thi
 
     Where it leaves only switch = 0 the answer is None too, unless ``thin`` branches count.
     """
-    joint, apart = dict(where.signs), set(where.apart)
+    parts = [where]
     for switch, sign in more:
         core, flip = oriented(switch)
         wanted = sign * flip
         if core.is_number:
-            if core.has(sp.zoo, sp.nan) or (core > 0 and wanted < 0) or (core < 0 and wanted > 0):
+            if core.has(sp.zoo, sp.nan) or wanted * core < 0:
                 return None  # nothing has a value there, or it contradicts
             continue
-        if (wanted > 0 and core.is_extended_nonpositive) or (wanted < 0 and core.is_extended_nonnegative):
-            if not thin or core.is_nonzero:
-                return None
-            joint[core] = 0
-        elif (wanted > 0 and core.is_extended_nonnegative) or (wanted < 0 and core.is_extended_nonpositive):
-            continue
-        elif joint.setdefault(core, wanted) != wanted:
-            if not thin or core in apart:
-                return None
-            joint[core] = 0
-        elif strict:
-            apart.add(core)
-    return Branch(joint, expr, apart=frozenset(apart))
+        never, always = (core.is_extended_nonpositive, core.is_extended_nonnegative)[::wanted]
+        if never and (not thin or core.is_nonzero):
+            return None
+        if never or not always:
+            parts.append(Branch({core: 0 if never else wanted}, None, apart=frozenset([core] if strict else ())))
+    joint = _together(parts, thin)
+    return None if joint is None else replace(joint, expr=expr)
 
 
 def _split(node: sp.Basic, where: Branch, parts: tuple[Branch, ...], thin: bool) -> Iterable[Branch | None]:

@@ -23,7 +23,7 @@ from duhem.errors import InputError
 from duhem.expression.elementary import ELEMENTARY
 from duhem.expression.fold import Table, fold
 from duhem.expression.number import InertNumber, inert_exponent, reckoned
-from duhem.expression.vocabulary import COMPARISONS, MOST_ARGUMENTS, NODES, WORDS, Atan2, EigMax, Neg, Norm, Pos, Where, deviator
+from duhem.expression.vocabulary import COMPARISONS, NODES, WORDS, Atan2, EigMax, Neg, Norm, Pos, Where, deviator
 
 __all__ = ["AS_WRITTEN", "EVALUATED", "IN_RANGE", "TABLE", "UNMADE", "Building", "greatest", "least", "settled", "unacceptable"]
 
@@ -124,9 +124,8 @@ def call(word: str, args: Sequence[sp.Basic]) -> sp.Expr:
     """A word of the vocabulary applied to its arguments."""
     # Nested Min and Max are flattened and every pair compared, so it is the flattened count that is bounded.
     count = sum(len(a.args) if isinstance(a, (sp.Min, sp.Max)) else 1 for a in args)
-    if len(args) > MOST_ARGUMENTS or count > _MOST_TOGETHER:
-        most = MOST_ARGUMENTS if len(args) > MOST_ARGUMENTS else _MOST_TOGETHER
-        raise InputError(f"{word} has {count} arguments", remedy=f"at most {most} are read")
+    if count > _MOST_TOGETHER:
+        raise InputError(f"{word} has {count} arguments", remedy=f"at most {_MOST_TOGETHER} are read")
     if word == "sqrt":
         return power(args[0], sp.S.Half)
     if word == "atan2" and any(a.has(Atan2) for a in args):

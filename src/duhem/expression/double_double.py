@@ -11,6 +11,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import lru_cache, partial, reduce
+from operator import gt, lt
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -21,12 +22,13 @@ from duhem.errors import InputError
 from duhem.expression import numpy_
 from duhem.expression.elementary import ELEMENTARY
 from duhem.expression.fold import Recording, Table, bound, recorded, same
-from duhem.expression.vocabulary import Atan2, EigMax, Neg, Norm, Pos, Where
+from duhem.expression.vocabulary import COMPARISONS, Atan2, EigMax, Neg, Norm, Pos, Where
 
 __all__ = ["LEFT_OUT", "TABLE", "Pair", "PairProgram", "added", "paired", "product"]
 
 _SPLIT = 2.0**27 + 1.0
 _RANGE = 2.0**-450, 2.0**450  # sizes whose products keep all their digits
+Comparison = Callable[[Any, Any], Any]
 
 
 class Pair(NamedTuple):
@@ -118,8 +120,7 @@ def _quotient(a: Pair, b: Pair) -> Pair:
     rest = added(a, _minus(product(b, Pair(first, 0.0))))
     second = rest.high / b.high
     rest = added(rest, _minus(product(b, Pair(second, 0.0))))
-    high, low = _quick(first, second)
-    return added(Pair(high, low), Pair(rest.high / b.high, 0.0))
+    return added(_quick(first, second), Pair(rest.high / b.high, 0.0))
 
 
 def _root(a: Pair) -> Pair:
@@ -147,16 +148,13 @@ def _chosen(condition: Any, a: Pair, b: Pair) -> Pair:
     return Pair(np.where(condition, a.high, b.high), np.where(condition, a.low, b.low))
 
 
-def _least(_: Any, *args: Pair) -> Pair:
-    return reduce(lambda a, b: _known(_chosen(_less(a, b), a, b), a, b), args)
+def _extreme(before: Comparison, _: Any, *args: Pair) -> Pair:
+    return reduce(lambda a, b: _known(_chosen(_compared(before, a, b), a, b), a, b), args)
 
 
-def _most(_: Any, *args: Pair) -> Pair:
-    return reduce(lambda a, b: _known(_chosen(_less(b, a), a, b), a, b), args)
-
-
-def _less(a: Pair, b: Pair) -> Any:
-    return (a.high < b.high) | ((a.high == b.high) & (a.low < b.low))
+def _compared(holds: Comparison, a: Pair, b: Pair) -> Any:
+    """By the low parts where the high ones are equal."""
+    return np.where(np.equal(a.high, b.high), holds(a.low, b.low), holds(a.high, b.high))
 
 
 def _known(value: Pair, *args: Pair) -> Pair:
@@ -165,8 +163,8 @@ def _known(value: Pair, *args: Pair) -> Pair:
     return Pair(np.where(unknown, np.nan, value.high), np.where(unknown, 0.0, value.low))
 
 
-def _comparison(holds: Callable[[Pair, Pair], Any]) -> Callable[..., Pair]:
-    return lambda _, a, b: _known(Pair(np.where(holds(a, b), 1.0, 0.0), 0.0), a, b)
+def _comparison(holds: Comparison, _: Any, a: Pair, b: Pair) -> Pair:
+    return _known(Pair(np.where(_compared(holds, a, b), 1.0, 0.0), 0.0), a, b)
 
 
 _NONE = Pair(0.0, 0.0)
@@ -176,16 +174,13 @@ TABLE: Table[Any] = {
     sp.Mul: lambda _, *x: reduce(product, x),
     sp.Pow: lambda node, base, exponent: _power(node)(base, exponent),
     sp.Abs: lambda _, a: _chosen(np.less(a.high, 0.0), _minus(a), a),
-    sp.Min: _least,
-    sp.Max: _most,
-    Pos: lambda node, x: _most(node, x, _NONE),
-    Neg: lambda node, x: _most(node, _minus(x), _NONE),
+    sp.Min: partial(_extreme, lt),
+    sp.Max: partial(_extreme, gt),
+    Pos: lambda node, x: _extreme(gt, node, x, _NONE),
+    Neg: lambda node, x: _extreme(gt, node, _minus(x), _NONE),
     Norm: lambda _, *x: _root(reduce(added, [product(a, a) for a in x])),
     Where: lambda _, condition, a, b: _known(_chosen(np.equal(condition.high, 1.0), a, b), condition),
-    sp.StrictGreaterThan: _comparison(lambda a, b: _less(b, a)),
-    sp.GreaterThan: _comparison(lambda a, b: ~_less(a, b)),
-    sp.StrictLessThan: _comparison(_less),
-    sp.LessThan: _comparison(lambda a, b: ~_less(b, a)),
+    **{kind: partial(_comparison, holds) for kind, holds in COMPARISONS.items()},
 }
 LEFT_OUT = {
     **dict.fromkeys((Atan2, *(word.node for word in ELEMENTARY.values())), "no algebra: balls give its digits"),

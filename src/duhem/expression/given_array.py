@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from duhem.errors import InputError
-from duhem.expression.syntax import spelled
+from duhem.expression.syntax import repeated, spelled
 
 __all__ = ["check_rows", "columns", "in_order", "reals", "unlabelled", "unmasked"]
 
@@ -37,16 +37,13 @@ def columns(given: Any, where: str, names: Sequence[str] = ()) -> dict[str, Any]
         return {} if isinstance(given, Mapping) else None
     if not all(isinstance(label, str) for label in labels):
         raise InputError("only some of the columns have a name", where=where, remedy="name each, or give a plain array")
+    if twice := repeated(map(spelled, labels)):
+        raise InputError(f"the column {twice[0]!r} is there twice", where=where, remedy="give each column its own name")
     made = {spelled(label): column for label, column in found or ()}
-    if len(made) < len(labels):
-        spellings = [spelled(label) for label in labels]
-        twice = next(name for name in spellings if spellings.count(name) > 1)
-        raise InputError(f"the column {twice!r} is there twice", where=where, remedy="give each column its own name")
     first = next(iter(made.values()))
     ways = getattr(first, "dims", ())
     if other := next((name for name, column in made.items() if _apart(first, column) or getattr(column, "dims", ways) != ways), None):
-        what = f"the rows of {other!r} have other labels than those of {next(iter(made))!r}"
-        raise InputError(what, where=where, remedy=_ONE_ORDER)
+        raise InputError(f"the rows of {other!r} have other labels than those of {next(iter(made))!r}", where=where, remedy=_ONE_ORDER)
     return made
 
 

@@ -68,9 +68,8 @@ def shears_of_isotropic(g: sp.Expr, forces: Sequence[sp.Symbol]) -> tuple[sp.Sym
     return next((shear for shear in permutations(forces[3:]) if _invariant(g, (*forces[:3], *shear))), None)
 
 
-def _turns() -> tuple[sp.Matrix, ...]:
-    """About z and about x."""
-    return sp.Matrix([[0, -1, 0], [1, 0, 0], [0, 0, 0]]), sp.Matrix([[0, 0, 0], [0, 0, -1], [0, 1, 0]])
+# about z and about x
+_TURNS = sp.ImmutableMatrix([[0, -1, 0], [1, 0, 0], [0, 0, 0]]), sp.ImmutableMatrix([[0, 0, 0], [0, 0, -1], [0, 1, 0]])
 
 
 def _rate(poly: sp.Expr, stress: Sequence[sp.Symbol], turn: sp.Matrix) -> sp.Expr:
@@ -86,7 +85,7 @@ def _invariant(node: sp.Basic, stress: Sequence[sp.Symbol]) -> bool:
     if isinstance(node, EigMax):
         return all(a.is_polynomial(*stress) for a in node.args) and _covariant(sp.Matrix(rows(*node.args)), stress)
     if isinstance(node, sp.Expr) and node.is_polynomial(*stress):
-        return all(_rate(node, stress, turn) == 0 for turn in _turns())
+        return all(_rate(node, stress, turn) == 0 for turn in _TURNS)
     if not (node.is_Add or node.is_Mul):
         return all(_invariant(a, stress) for a in node.args)
     plain = [a for a in node.args if a.is_polynomial(*stress)]
@@ -97,7 +96,7 @@ def _covariant(matrix: sp.Matrix, stress: Sequence[sp.Symbol]) -> bool:
     """Whether the matrix turns with the stress."""
     return all(
         sp.expand(_rate(matrix[i, j], stress, turn) - (turn * matrix - matrix * turn)[i, j]) == 0
-        for turn in _turns()
+        for turn in _TURNS
         for i in range(3)
         for j in range(i + 1)
     )

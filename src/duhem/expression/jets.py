@@ -13,7 +13,7 @@ where eigenvalues are equal; else, and then at less cost, a norm at its zero is 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache, partial, reduce
 from itertools import combinations, count
 from typing import Any
@@ -26,9 +26,9 @@ from duhem.errors import InputError
 from duhem.expression import numpy_
 from duhem.expression.elementary import ELEMENTARY, Elementary, array_function, on_arrays
 from duhem.expression.fold import Recording, Table, recorded, same
-from duhem.expression.numpy_ import COMPARED, Program, filled, length
+from duhem.expression.numpy_ import Program, filled, length
 from duhem.expression.pnorm import PNorm, recognised
-from duhem.expression.vocabulary import Atan2, EigMax, Neg, Norm, Pos, Where, rows
+from duhem.expression.vocabulary import COMPARISONS, Atan2, EigMax, Neg, Norm, Pos, Where, rows
 
 __all__ = ["KINKED", "ROUNDING", "STEEPEST", "TABLE", "Choices", "Jet", "JetProgram", "formula", "program"]
 
@@ -81,6 +81,11 @@ def added(first: Any, second: Any) -> Any:
     return first + second
 
 
+def total(factors: Iterable[Any], arrays: Iterable[Any]) -> Any:
+    """The sum of factors times arrays, as :func:`times` and :func:`added` have them."""
+    return reduce(added, map(times, factors, arrays))
+
+
 def outer(first: Array, second: Array) -> Array:
     """a b^T (N, d, d)."""
     return first[:, :, None] * second[:, None, :]
@@ -101,6 +106,20 @@ def least_order(jets: Sequence[Jet]) -> int:
     return min([j.order for j in jets if j.gradient is not None], default=2)
 
 
+def weighted(value: Any, factors: Sequence[Any], jets: Sequence[Jet]) -> Jet:
+    """The ``value`` with the derivatives of a sum of jets times ``factors`` that are held fixed."""
+    gradient, hessian = total(factors, (j.gradient for j in jets)), total(factors, (j.hessian for j in jets))
+    return Jet(value, gradient, hessian, least_order(jets))
+
+
+def bent(jet: Jet, a: Any, b: Any) -> Jet:
+    """The jet with a b^T + b a^T added to its second derivatives, if these are followed."""
+    if jet.order == 1 or a is None or b is None:
+        return jet
+    cross = outer(a, b)
+    return replace(jet, hessian=added(jet.hessian, cross + np.swapaxes(cross, 1, 2)))
+
+
 Choices = NDArray[np.int8]
 
 _TINY = 1e-120  # below this share of a norm an argument counts as this share: keeps |x|^(p-2) finite for p < 2
@@ -116,14 +135,14 @@ class _Met:
         self.shifted: dict[int, _ShiftedNorm | _Axes] = {}
 
     def choose(self, index: int, natural: NDArray[Any]) -> NDArray[Any]:
-        if self.given is not None:
-            return self.given[:, index]
-        self.taken[:, index] = natural
+        if self.given is None:
+            self.taken[:, index] = natural
         return self.taken[:, index]
 
-    def shift(self, gradient: Array, index: int) -> Array:
-        """The slopes of the shift of a node: those of a variable of its own."""
-        return np.eye(gradient.shape[1])[index - self.shifts]
+    def with_shift(self, jet: Jet, index: int, node: _ShiftedNorm | _Axes) -> Jet:
+        """The ``jet`` of a node with its shift, a variable of its own; what the node adds is left to :func:`_finished`."""
+        self.shifted[index] = node
+        return replace(jet, gradient=jet.gradient + np.eye(jet.gradient.shape[1])[index - self.shifts])
 
 
 @dataclass(frozen=True)
@@ -193,12 +212,7 @@ def _sum(a: Jet, b: Jet) -> Jet:
 
 
 def _product(a: Jet, b: Jet) -> Jet:
-    gradient, order = added(times(a.value, b.gradient), times(b.value, a.gradient)), least_order((a, b))
-    hessian = added(times(a.value, b.hessian), times(b.value, a.hessian))
-    if order == 2 and a.gradient is not None and b.gradient is not None:
-        cross = outer(a.gradient, b.gradient)
-        hessian = added(hessian, cross + np.swapaxes(cross, 1, 2))
-    return Jet(a.value * b.value, gradient, hessian, order)
+    return bent(weighted(a.value * b.value, (a.value, b.value), (b, a)), a.gradient, b.gradient)
 
 
 def _power(node: Any, base: Jet, exponent: Jet) -> Jet:
@@ -223,17 +237,9 @@ def _elementary(word: Elementary, x: Jet) -> Jet:
 
 def _atan2(node: Any, y: Jet, x: Jet) -> Jet:
     size = np.hypot(x.value, y.value)
-    c, s = x.value / size, y.value / size  # nan at (0, 0)
-    gradient = added(times(c / size, y.gradient), times(-s / size, x.gradient))
-    value = numpy_.TABLE[Atan2](node, y.value, x.value)
-    if (order := least_order((y, x))) == 1:
-        return Jet(value, gradient, None, 1)
-    hessian = added(times(c / size, y.hessian), times(-s / size, x.hessian))
-    if gradient is not None:  # the angle turns as the size grows
-        growth = added(times(c / size, x.gradient), times(s / size, y.gradient))
-        cross = outer(gradient, growth)
-        hessian = added(hessian, -(cross + np.swapaxes(cross, 1, 2)))
-    return Jet(value, gradient, hessian, order)
+    c, s = x.value / size / size, y.value / size / size  # nan at (0, 0)
+    turn = weighted(numpy_.TABLE[Atan2](node, y.value, x.value), (c, -s), (y, x))
+    return bent(turn, times(-1.0, turn.gradient), total((c, s), (x.gradient, y.gradient)))  # the angle turns less as the size grows
 
 
 def _pnorm(node: Any, p: Jet, *args: Jet) -> Jet:
@@ -250,35 +256,31 @@ def _p_norm(p: float, value: Any, args: tuple[Jet, ...], turning: bool = True) -
     parts = [np.clip(a.value / unit, -1.0, 1.0) for a in args]
     shares = [np.abs(part) for part in parts] if p != 2.0 or least_order(args) > 1 else []
     slopes = parts if p == 2.0 else [np.sign(a.value) * np.power(s, p - 1) for a, s in zip(args, shares, strict=True)]
-    gradient: Array | None = None
-    hessian: Array | None = None
-    for a, slope in zip(args, slopes, strict=True):
-        gradient = added(gradient, times(slope, a.gradient))
-        hessian = added(hessian, times(slope, a.hessian))
-    if (order := least_order(args)) == 1:
-        return Jet(value, gradient, None, 1)
-    signs = [np.where(a.value < 0, -1.0, 1.0) for a in args]
+    jet = weighted(value, slopes, args)
+    if jet.order == 1:
+        return jet
+    hessian, signs = jet.hessian, [np.where(a.value < 0, -1.0, 1.0) for a in args]
     for i, j in combinations(range(len(args)), 2) if turning else ():
-        turn = added(times(shares[j] * signs[i], args[i].gradient), times(-shares[i] * signs[j], args[j].gradient))
+        turn = total((shares[j] * signs[i], -shares[i] * signs[j]), (args[i].gradient, args[j].gradient))
         if turn is None:
             continue
         weight = (p - 1) * np.power(np.maximum(shares[i], _TINY), p - 2) * np.power(np.maximum(shares[j], _TINY), p - 2) / unit
         hessian = added(hessian, times(np.where(value > 0.0, weight, 0.0), outer(turn, turn)))
-    return Jet(value, gradient, hessian, order)
+    return replace(jet, hessian=hessian)
 
 
 def _abs(_: Any, index: int, noted: _Met, x: Jet) -> Jet:
-    return _chain_linear(x, noted.choose(index, np.where(x.value < 0, -1, 1)).astype(np.float64))
+    return _multiple(noted.choose(index, np.where(x.value < 0, -1, 1)).astype(np.float64), x)
 
 
 def _ramp(node: Any, index: int, noted: _Met, x: Jet) -> Jet:
     # at 0 the piece beyond it, for pos and neg alike: where both took the zero piece, their law would lose its curvature
     slope = noted.choose(index, x.value >= 0 if node.slope > 0 else x.value < 0).astype(np.float64)
-    return _chain_linear(x, slope if node.slope == 1 else node.slope * slope)
+    return _multiple(slope if node.slope == 1 else node.slope * slope, x)
 
 
-def _chain_linear(x: Jet, slope: Array) -> Jet:
-    return Jet(slope * x.value, times(slope, x.gradient), times(slope, x.hessian), x.order)
+def _multiple(slope: Array, x: Jet) -> Jet:
+    return weighted(slope * x.value, (slope,), (x,))
 
 
 def _extreme(node: Any, index: int, noted: _Met, *args: Jet) -> Jet:
@@ -389,19 +391,17 @@ class _ShiftedNorm:
 
 
 def _norm_at_zero(_: Any, index: int, noted: _Met, *args: Jet) -> Jet:
-    return _with_shift(index, noted, _p_norm(2.0, length(*(a.value for a in args)), args, turning=False), args, round=True)
+    return _shifted(index, noted, _p_norm(2.0, length(*(a.value for a in args)), args, turning=False), args, round=True)
 
 
 def _pnorm_at_zero(node: Any, index: int, noted: _Met, p: Jet, *args: Jet) -> Jet:
-    return _with_shift(index, noted, _pnorm(node, p, *args), args, round=False)
+    return _shifted(index, noted, _pnorm(node, p, *args), args, round=False)
 
 
-def _with_shift(index: int, noted: _Met, jet: Jet, parts: Sequence[Jet], round: bool) -> Jet:
-    """The ``jet`` of a norm of the ``parts`` with its shift; what a round one adds is left to :func:`_finished`."""
+def _shifted(index: int, noted: _Met, jet: Jet, parts: Sequence[Jet], round: bool) -> Jet:
     if jet.gradient is None or jet.order == 1:
         return jet
-    noted.shifted[index] = _ShiftedNorm(jet.value, jet.gradient, parts, round)
-    return Jet(jet.value, jet.gradient + noted.shift(jet.gradient, index), jet.hessian, jet.order)
+    return noted.with_shift(jet, index, _ShiftedNorm(jet.value, jet.gradient, parts, round))
 
 
 @dataclass(frozen=True)
@@ -409,7 +409,7 @@ class _Axes:
     """The eigenvalues (N, 3), rising, and n . dA m (N, D) for the axis n of the greatest and m of the least and the middle."""
 
     values: Array
-    turns: tuple[Array, Array]
+    turns: Sequence[Array]
     steepness: Array
 
     def bends(self, by: _Slope, strict: bool) -> Array:
@@ -419,11 +419,11 @@ class _Axes:
         kink = (~smooth & (nearest <= _NOTHING * by.size)) | ~self.values.any(axis=-1) if strict else False
         tiny = np.finfo(np.float64).tiny  # where all three are equal, those of A and of -A have half of the outermost pair each
         limits = (by.bend * (nearest + tiny) / (outermost + 2 * tiny), by.bend)
-        quotients = (
-            np.where(kink, np.nan, np.where(smooth, limit, 2 * by.rate / gap))
-            for limit, gap in zip(limits, (outermost, nearest), strict=True)
-        )
-        return np.asarray(sum(share[:, None, None] * outer(turn, turn) for share, turn in zip(quotients, self.turns, strict=True)))
+        found = np.zeros((1, 1, 1))
+        for limit, gap, turn in zip(limits, (outermost, nearest), self.turns, strict=True):
+            share = np.where(kink, np.nan, np.where(smooth, limit, 2 * by.rate / gap))
+            found = found + share[:, None, None] * outer(turn, turn)
+        return found
 
 
 def _eigmax(_: Any, index: int, noted: _Met, *entries: Jet) -> Jet:
@@ -432,21 +432,17 @@ def _eigmax(_: Any, index: int, noted: _Met, *entries: Jet) -> Jet:
     matrices = np.stack([np.stack([np.broadcast_to(a.value, size) for a in row], axis=-1) for row in rows(*entries)], axis=-2)
     values, vectors = _decomposed(matrices)
     low, middle, n = np.moveaxis(vectors, -1, 0)
-    value, order = values[..., -1], least_order(entries)
 
-    def along(m: Array, derivatives: Iterable[Any]) -> Any:
-        """n . (dA) m."""
-        weights = [n[..., i] * m[..., i] for i in range(3)]
-        weights += [n[..., i] * m[..., j] + n[..., j] * m[..., i] for i, j in ((1, 2), (0, 2), (0, 1))]
-        return reduce(added, map(times, weights, derivatives))
+    def weights(m: Array) -> list[Array]:
+        """Of the entries of A in n . A m."""
+        pairs = [n[..., i] * m[..., j] + n[..., j] * m[..., i] for i, j in ((1, 2), (0, 2), (0, 1))]
+        return [n[..., i] * m[..., i] for i in range(3)] + pairs
 
-    gradients = [a.gradient for a in entries]
-    gradient = along(n, gradients)
-    if gradient is None or order == 1:
-        return Jet(value, gradient, None, order)
-    hessian = along(n, (a.hessian for a in entries))
-    noted.shifted[index] = _Axes(values, (along(low, gradients), along(middle, gradients)), _steepness(entries))
-    return Jet(value, gradient + noted.shift(gradient, index), hessian, order)
+    jet = weighted(values[..., -1], weights(n), entries)
+    if jet.gradient is None or jet.order == 1:
+        return jet
+    turns = [total(weights(m), (a.gradient for a in entries)) for m in (low, middle)]
+    return noted.with_shift(jet, index, _Axes(values, turns, _steepness(entries)))
 
 
 def _decomposed(matrices: Array) -> tuple[Array, Array]:
@@ -464,7 +460,8 @@ def _decomposed(matrices: Array) -> tuple[Array, Array]:
     return np.where(known[..., 0], values, np.nan), np.where(turned, vectors[..., ::-1], vectors)
 
 
-_SMOOTH: Table[Jet] = {
+KINKED: Table[Jet] = {sp.Abs: _abs, Pos: _ramp, Neg: _ramp, sp.Max: _extreme, sp.Min: _extreme, Where: _where}
+TABLE: Table[Jet] = {
     sp.Add: lambda _, *terms: reduce(_sum, terms),
     sp.Mul: lambda _, *factors: reduce(_product, factors),
     sp.Pow: _power,
@@ -473,9 +470,8 @@ _SMOOTH: Table[Jet] = {
     Norm: lambda _, *args: _p_norm(2.0, length(*(a.value for a in args)), args),
     EigMax: _eigmax,
     PNorm: _pnorm,
-    **{kind: lambda _, a, b, holds=holds: Jet(np.where(holds(a.value, b.value), 1.0, 0.0)) for kind, holds in COMPARED.items()},
+    **{kind: lambda _, a, b, holds=holds: Jet(np.where(holds(a.value, b.value), 1.0, 0.0)) for kind, holds in COMPARISONS.items()},
+    **KINKED,
 }
-KINKED: Table[Jet] = {sp.Abs: _abs, Pos: _ramp, Neg: _ramp, sp.Max: _extreme, sp.Min: _extreme, Where: _where}
 _AT_ZERO: Table[Jet] = {Norm: _norm_at_zero, PNorm: _pnorm_at_zero}
 _SHIFTED = (_eigmax, *_AT_ZERO.values())
-TABLE: Table[Jet] = {**_SMOOTH, **KINKED}

@@ -40,8 +40,6 @@ def exact_number(x: Any) -> sp.Rational:
     part in a million, as they are of 0.25; of 0.1 it holds 0.0999755859375, and which is meant nobody can tell.  That, infinities,
     truth values and anything else raise InputError.
     """
-    if isinstance(x, sp.Rational):
-        return _bounded(x)
     if isinstance(x, bool):
         raise InputError(f"{x} is a truth value, not a number", remedy=_REMEDY)
     if isinstance(x, str):
@@ -113,14 +111,10 @@ def _from_text(text: str) -> sp.Rational:
     if match is None:
         raise InputError(f"{text[:40]!r} is not a number", remedy=_REMEDY)
     sign, over, under = match.groups()
-    value = _decimal(over)
-    if under is not None:
-        divisor = _decimal(under)
-        if divisor == 0:
-            raise InputError(f"{text[:40]!r} divides by zero", remedy=_REMEDY)
-        value /= divisor
-    value = -value if sign == "-" else value
-    return rational(value)
+    value, divisor = _decimal(over), _decimal(under or "1")
+    if divisor == 0:
+        raise InputError(f"{text[:40]!r} divides by zero", remedy=_REMEDY)
+    return rational((-value if sign == "-" else value) / divisor)
 
 
 def _decimal(text: str) -> Fraction:
@@ -177,8 +171,7 @@ class InertNumber(sp.NumberSymbol):
     def _sympystr(self, printer: Any) -> str:
         return str(printer._print(self.value))
 
-    def _latex(self, printer: Any) -> str:
-        return str(printer._print(self.value))
+    _latex = _sympystr
 
     def __getnewargs__(self) -> tuple[sp.Rational]:
         return (self.value,)

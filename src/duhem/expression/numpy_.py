@@ -30,7 +30,7 @@ from duhem.expression.fold import Recording, Table, bound, recorded, same
 from duhem.expression.pnorm import PNorm, recognised
 from duhem.expression.vocabulary import COMPARISONS, Atan2, EigMax, Neg, Norm, Pos, Where, rows
 
-__all__ = ["COMPARED", "TABLE", "Filled", "Program", "compiled", "constant", "evaluate", "filled", "length"]
+__all__ = ["TABLE", "Filled", "Program", "compiled", "constant", "evaluate", "filled", "length"]
 
 _SQUARES = 2.0**-900, 2.0**900  # of lengths whose squares are good to the last digits: no part that counts has vanished
 
@@ -131,17 +131,8 @@ def _pnorm(_: Any, p: Any, *args: Any) -> Any:
     return unit * np.power(reduce(np.add, [np.power(size / unit, p) for size in sizes]), 1.0 / p)
 
 
-def _elementary(function: Callable[[Any], Any], _: Any, x: Any) -> Any:
-    return function(x)
-
-
 def _atan2(_: Any, y: Any, x: Any) -> Any:
     return np.where(np.equal(x, 0.0) & np.equal(y, 0.0), np.nan, np.arctan2(np.add(y, 0.0), x))  # -0 is 0
-
-
-COMPARED: Mapping[type, Callable[[Any, Any], Any]] = dict(
-    zip(COMPARISONS, (np.greater, np.greater_equal, np.less, np.less_equal), strict=True)
-)
 
 
 def _comparison(compare: Callable[[Any, Any], Any], _: Any, a: Any, b: Any) -> Any:
@@ -161,7 +152,7 @@ TABLE: Table[Any] = {
     sp.Pow: _power,
     sp.Abs: lambda _, x: np.abs(x),
     EigMax: _eigmax,
-    **{word.node: partial(_elementary, array_function(word.numpy)) for word in ELEMENTARY.values()},
+    **{word.node: lambda _, x, f=f: f(x) for word in ELEMENTARY.values() for f in [array_function(word.numpy)]},
     Atan2: _atan2,
     sp.Min: lambda _, *x: reduce(np.minimum, x),
     sp.Max: lambda _, *x: reduce(np.maximum, x),
@@ -170,7 +161,7 @@ TABLE: Table[Any] = {
     Norm: lambda _, *x: reduce(np.hypot, x[1:], np.abs(x[0])),  # squares of large or small arguments neither overflow nor vanish
     PNorm: _pnorm,
     Where: lambda _, condition, a, b: np.where(np.isnan(condition), np.nan, np.where(condition == 1.0, a, b)),
-    **{kind: partial(_comparison, compare) for kind, compare in COMPARED.items()},
+    **{kind: partial(_comparison, compare) for kind, compare in COMPARISONS.items()},
 }
 
 

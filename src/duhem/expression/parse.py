@@ -72,10 +72,7 @@ def parse_expression(
     """
     reader = _Reader.over(text, known, _Place(where, line, column, text), short=short)
     tree = reader.syntax()
-    value = reader.evaluated(tree, settled, reader.value(tree, 0))
-    if fault := unacceptable(value, set(known.values())):
-        raise reader.place.error(fault.what, remedy=fault.remedy)
-    return value
+    return reader.finished(tree, reader.value(tree, 0))
 
 
 @lru_cache(maxsize=256)
@@ -139,10 +136,7 @@ def parse_relation(
     if not isinstance(tree, ast.Compare):
         raise reader.place.error(f"{reader.quote(tree)} is no comparison", remedy="compare two expressions with < <= > or >=")
     left, right, kind = reader.sides(tree, 0)
-    left, right = (reader.evaluated(tree, settled, side) for side in (left, right))
-    for side in (left, right):
-        if fault := unacceptable(side, set(known.values())):
-            raise reader.place.error(fault.what, remedy=fault.remedy)
+    left, right = (reader.finished(tree, side) for side in (left, right))
     if kind(left, right) == sp.false:
         raise reader.place.error(f"the constraint {reader.quote(tree)} is contradictory: it never holds", remedy="correct or remove it")
     return kind(left, right, evaluate=False)
@@ -309,17 +303,16 @@ class _Reader:
         characters = len(row.encode()[: max(byte - (line == 1), 0)].decode(errors="ignore"))
         return self.starts[line - 1] + characters
 
+    def end(self, node: ast.expr) -> int:
+        return self.offset(node.end_lineno or 1, node.end_col_offset or 0)
+
     def segment(self, node: ast.expr) -> str:
-        if node.end_lineno is None or node.end_col_offset is None:
-            return ""
-        return self.text[self.start(node) : self.offset(node.end_lineno, node.end_col_offset)]
+        return self.text[self.start(node) : self.end(node)]
 
     def quote(self, node: ast.expr) -> str:
         """The node as it stands in the text that was given."""
-        segment = self.segment(node)
-        if self.place.made and node.end_lineno is not None and node.end_col_offset is not None:
-            segment = self.place.made.segment(self.start(node), self.offset(node.end_lineno, node.end_col_offset))
-        segment = " ".join(segment.split())
+        made = self.place.made
+        segment = " ".join((made.segment(self.start(node), self.end(node)) if made else self.segment(node)).split())
         return repr(segment if len(segment) <= 40 else segment[:37] + "...")
 
     # -- values ------------------------------------------------------------------------------------------------
@@ -340,6 +333,13 @@ class _Reader:
             raise self.place.error(f"{self.quote(node)}: {fault.what}", at=self.start(node), remedy=fault.remedy) from None
         except (ArithmeticError, ValueError, TypeError, RecursionError, NotImplementedError):
             raise self.place.error(f"{self.quote(node)} cannot be evaluated", at=self.start(node), remedy="rewrite that part") from None
+
+    def finished(self, node: ast.expr, value: sp.Expr) -> sp.Expr:
+        """The value settled; InputError where it cannot be used."""
+        value = self.evaluated(node, settled, value)
+        if fault := unacceptable(value, set(self.known.values())):
+            raise self.place.error(fault.what, remedy=fault.remedy)
+        return value
 
     def built(self, node: ast.expr, depth: int) -> sp.Expr:
         match node:
@@ -401,10 +401,7 @@ class _Reader:
         if len(node.ops) != 1:
             remedy = "join them: 0 < x and x < 1; list them one by one in constraints"
             raise self.place.error(f"{self.quote(node)} chains comparisons", at=self.start(node), remedy=remedy)
-        kind = _COMPARISONS.get(type(node.ops[0]))
-        if kind is None:
-            raise self.place.error(f"{self.quote(node)} is no comparison", at=self.start(node), remedy="comparisons are < <= > >=")
-        return self.value(node.left, depth), self.value(node.comparators[0], depth), kind
+        return self.value(node.left, depth), self.value(node.comparators[0], depth), _COMPARISONS[type(node.ops[0])]
 
 
 def _has_too_many_tokens(text: str) -> bool:

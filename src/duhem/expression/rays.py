@@ -77,11 +77,8 @@ def exits(
 ) -> tuple[Array, Array]:
     """Where the rays from zero along ``ways`` (M, d) leave {g <= 0}, its ``others`` at their numbers; (M,) each, as :meth:`Rays.left`."""
     program = compiled(g, [*forces, *others])
-
-    def level(points: Array) -> Array:
-        return program(*np.moveaxis(points, -1, 0), *others.values())
-
-    return Rays(level, np.zeros(ways.shape[1]), ways).left(radii, bits)
+    rays = Rays(lambda points: program(*np.moveaxis(points, -1, 0), *others.values()), np.zeros(ways.shape[1]), ways)
+    return rays.left(radii, bits)
 
 
 def evenly_between(low: Array, high: Array, parts: int) -> Array:
@@ -130,8 +127,7 @@ def crossing(level: Callable[[Array, Index], Array], inside: Array, outside: Arr
 
 
 def _closed(at: Callable[[Array, Index], Array], low: Array, f_low: Array, high: Array, f_high: Array, who: Index) -> Array:
-    a, fa, b, fb = low.copy(), f_low.copy(), high.copy(), f_high.copy()  # b the newest, a the other end, c the one before
-    c, fc = a.copy(), fa.copy()
+    x, y = np.stack([low, high, low]), np.stack([f_low, f_high, f_low])  # one end, the other, and the one before, with their levels
     share = np.full(len(low), 0.5)
     with np.errstate(all="ignore"):
         for _ in range(200):
@@ -139,26 +135,21 @@ def _closed(at: Callable[[Array, Index], Array], low: Array, f_low: Array, high:
             who = who[(f_low[who] != 0)]
             if not who.size:
                 break
-            t = a[who] + share[who] * (b[who] - a[who])
+            (a, b, _), (fa, fb, _) = x[:, who], y[:, who]
+            t = a + share[who] * (b - a)
             middle = low[who] + 0.5 * (high[who] - low[who])
             t = np.where((t <= low[who]) | (t >= high[who]), middle, t)
             f = at(t, who)
-            same = np.sign(f) == np.sign(fa[who])
-            c[who] = np.where(same, a[who], b[who])
-            fc[who] = np.where(same, fa[who], fb[who])
-            b[who] = np.where(same, b[who], a[who])
-            fb[who] = np.where(same, fb[who], fa[who])
-            a[who], fa[who] = t, f
+            same = np.sign(f) == np.sign(fa)
+            a, b, c = x[:, who] = t, np.where(same, b, a), np.where(same, a, b)
+            fa, fb, fc = y[:, who] = f, np.where(same, fb, fa), np.where(same, fa, fb)
             into = f <= 0
             low[who[into]], f_low[who[into]] = t[into], f[into]
             high[who[~into]], f_high[who[~into]] = t[~into], f[~into]
-            xi = (a[who] - b[who]) / (c[who] - b[who])
-            phi = (fa[who] - fb[who]) / (fc[who] - fb[who])
+            xi, phi = (a - b) / (c - b), (fa - fb) / (fc - fb)
             quadratic = (phi**2 < xi) & ((1 - phi) ** 2 < 1 - xi)
-            guess = fa[who] / (fb[who] - fa[who]) * fc[who] / (fb[who] - fc[who]) + (c[who] - a[who]) / (b[who] - a[who]) * fa[who] / (
-                fc[who] - fa[who]
-            ) * fb[who] / (fc[who] - fb[who])
-            least = 1.2e-16 * high[who] / np.abs(b[who] - a[who])
+            guess = fa / (fb - fa) * fc / (fb - fc) + (c - a) / (b - a) * fa / (fc - fa) * fb / (fc - fb)
+            least = 1.2e-16 * high[who] / np.abs(b - a)
             guess = np.clip(guess, least, 1 - least)
             share[who] = np.where(quadratic & np.isfinite(guess), guess, 0.5)
     return low

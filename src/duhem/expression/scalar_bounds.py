@@ -31,17 +31,16 @@ FUNCTIONS = (
 )  # fmt: skip
 """What the text may call by NumPy's names."""
 
-_UFUNCS = (
-    np.add, np.subtract, np.multiply, np.true_divide, np.power, np.greater, np.greater_equal, np.less, np.less_equal, np.equal,
-    np.bitwise_and, np.bitwise_or,
-)  # fmt: skip
-_SIGNS = dict(zip(_UFUNCS, ["+", "-", "*", "/", "**", ">", ">=", "<", "<=", "==", "and", "or"], strict=True))
+_TRUE_OR_NOT: Mapping[np.ufunc, str] = {
+    np.greater: ">", np.greater_equal: ">=", np.less: "<", np.less_equal: "<=", np.equal: "==", np.bitwise_and: "and", np.bitwise_or: "or",
+}  # fmt: skip
+_SIGNS = {np.add: "+", np.subtract: "-", np.multiply: "*", np.true_divide: "/", np.power: "**", **_TRUE_OR_NOT}
 _FORMS: Mapping[np.ufunc, str] = {
     **{ufunc: f"{{0}} {sign} {{1}}" for ufunc, sign in _SIGNS.items()},
     np.absolute: "abs({0})", np.negative: "-{0}", np.square: "{0} * {0}", np.invert: "not {0}",
 }  # fmt: skip
 _NORMAL = 2.0**-1022
-_TRUTHS = {*_UFUNCS[5:], np.invert, np.isnan, np.isfinite}
+_TRUTHS = {*_TRUE_OR_NOT, np.invert, np.isnan, np.isfinite}
 
 
 @dataclass(frozen=True)

@@ -12,13 +12,13 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial, reduce
 from itertools import combinations
-from typing import Any
+from typing import Any, TypeVar
 
 import sympy as sp
 
 from duhem.errors import InputError
 from duhem.expression.elementary import ELEMENTARY, Elementary
-from duhem.expression.fold import Table, fold
+from duhem.expression.fold import fold
 from duhem.expression.jets import ROUNDING, STEEPEST
 from duhem.expression.pnorm import PNorm, recognised
 from duhem.expression.vocabulary import COMPARISONS, Atan2, EigMax, Neg, Norm, Pos, Where
@@ -35,6 +35,7 @@ _MOST_SQUARINGS = 64  # a whole exponent up to this is multiplied out
 
 Slopes = Mapping[int, str]
 Bends = Mapping[tuple[int, int], str]
+K = TypeVar("K")
 
 
 @dataclass(frozen=True)
@@ -64,28 +65,27 @@ def scalar_jets(expr: sp.Expr, forces: Sequence[sp.Symbol], others: Sequence[sp.
     """``expr`` differentiated in the ``forces``.  InputError for what has no text: a norm whose exponent is open."""
     formula, numbers = recognised(expr), dict[str, int]()
     value = _Writer(0, numbers)
-    last = fold(formula, value.table(), value.leaf(forces, others))
-    level = ["def level(v, x, q):", *value.live([last.value]), f"    return {last.value}"]
+    last = value.jet(formula, forces, others)
+    level = value.function("def level(v, x, q):", [f"    return {last.value}"])
     whole = _Writer(len(forces), numbers)
-    jet = fold(formula, whole.table(), whole.leaf(forces, others))
+    jet = whole.jet(formula, forces, others)
     d = range(len(forces))
     slopes = [f"    v[slopes, {i}] = {jet.slopes.get(i, '0.0')}" for i in d]
     bent = whole.finished(jet)
     bends = [f"    m[bends, {i}, {j}] = {bent.get((min(i, j), max(i, j)), '0.0')}" for i in d for j in d]
     head = "def piece(v, x, q, natural, choices, c, slopes, m, bends):"
-    piece = [head, *whole.live([*slopes, *bends, jet.value]), *slopes, *bends, f"    return {jet.value}"]
+    piece = whole.function(head, [*slopes, *bends, f"    return {jet.value}"])
 
-    def first_order(head: str, of_pair: bool) -> list[str]:
+    def first_order(head: str, of_pair: bool) -> str:
         plain = _Writer(len(forces), numbers, named=False, of_pair=of_pair)
-        once = fold(formula, plain.table(), plain.leaf(forces, others))
+        once = plain.jet(formula, forces, others)
         ends = [f"    v[slopes, {i}] = {once.slopes.get(i, '0.0')}" for i in d]
         ends.append(f"    return {once.value}" if of_pair else "    return")
-        return [head, *plain.live(ends), *ends]
+        return plain.function(head, ends)
 
     gradient = first_order("def gradient(v, x, q, slopes):", of_pair=False)
-    pair_piece = first_order("def pair_piece(v, x, q, natural, c, slopes):", of_pair=True) if whole.shifted else []
-    texts = ["\n".join(lines) for lines in (level, gradient, pair_piece, piece)]
-    return ScalarJets(texts[0], texts[1], texts[2], texts[3], whole.kinks, len(whole.shifted), tuple(map(float, numbers)))
+    pair_piece = first_order("def pair_piece(v, x, q, natural, c, slopes):", of_pair=True) if whole.shifted else ""
+    return ScalarJets(level, gradient, pair_piece, piece, whole.kinks, len(whole.shifted), tuple(map(float, numbers)))
 
 
 @dataclass(frozen=True)
@@ -127,19 +127,21 @@ class _Writer:
         self.lines.append(f"    t{len(self.lines)} = {text}")
         return f"t{len(self.lines) - 1}"
 
-    def live(self, results: Sequence[str]) -> list[str]:
-        """The lines that the ``results`` need."""
-        needed, kept = {name for text in results for name in _NAME.findall(text)}, []
+    def function(self, head: str, ends: Sequence[str]) -> str:
+        """The function that ends with these lines, with the others that they need."""
+        needed, kept = {name for text in ends for name in _NAME.findall(text)}, list[str]()
         for line in reversed(self.lines):
             name = line.partition(" = ")[0].strip()
             if name.isidentifier() and name not in needed:
                 continue
             needed.update(_NAME.findall(line))
             kept.append(line)
-        return kept[::-1]
+        return "\n".join([head, *kept[::-1], *ends])
 
-    def leaf(self, forces: Sequence[sp.Symbol], others: Sequence[sp.Symbol]) -> Callable[[Any], _Jet]:
-        def jet(node: Any) -> _Jet:
+    def jet(self, formula: sp.Basic, forces: Sequence[sp.Symbol], others: Sequence[sp.Symbol]) -> _Jet:
+        """What the formula is, once the lines so far have run."""
+
+        def leaf(node: Any) -> _Jet:
             if node in forces:
                 i = list(forces).index(node)
                 return _Jet(f"v[x, {i}]", {i: "1.0"} if self.d else {})
@@ -150,10 +152,7 @@ class _Writer:
                 return _Jet(f"({text})")
             return _Jet(f"q[{len(others) + self.numbers.setdefault(text, len(self.numbers))}]")
 
-        return jet
-
-    def table(self) -> Table[_Jet]:
-        return {kind: partial(row, self) for kind, row in TABLE.items()}
+        return fold(formula, {kind: partial(row, self) for kind, row in TABLE.items()}, leaf)
 
     # -- smooth ------------------------------------------------------------------------------------------------
 
@@ -163,8 +162,7 @@ class _Writer:
             return _Jet(value)
         first, second = self.let(slope), self.let(bend)
         slopes = {i: self.let(f"{first} * {a}") for i, a in x.slopes.items()}
-        bends = {ij: f"{first} * {a}" for ij, a in x.bends.items()}
-        return self.named(value, slopes, self.with_outer(bends, {i: f"{second} * {a}" for i, a in x.slopes.items()}, x.slopes))
+        return self.named(value, slopes, self.with_outer(_times(first, x.bends), _times(second, x.slopes), x.slopes))
 
     def named(self, value: str, slopes: Slopes, bends: Bends) -> _Jet:
         return _Jet(value, {i: self.let(a) for i, a in slopes.items()}, {ij: self.let(a) for ij, a in bends.items()})
@@ -172,12 +170,10 @@ class _Writer:
     def with_outer(self, bends: Bends, a: Slopes, b: Slopes) -> Bends:
         """Second derivatives with a b^T added; of a matrix that is not symmetric the half that is kept."""
         more = {(i, j): f"{a[i]} * {b[j]}" for i, j in self.pairs({**a, **b}) if i in a and j in b}
-        return {ij: self.let(_plus(bends.get(ij), more.get(ij))) for ij in {**bends, **more}}
+        return {ij: self.let(text) for ij, text in _added(bends, more).items()}
 
     def sum(self, a: _Jet, b: _Jet) -> _Jet:
-        slopes = {i: _plus(a.slopes.get(i), b.slopes.get(i)) for i in {**a.slopes, **b.slopes}}
-        bends = {ij: _plus(a.bends.get(ij), b.bends.get(ij)) for ij in {**a.bends, **b.bends}}
-        return self.named(self.let(f"{a.value} + {b.value}"), slopes, bends)
+        return self.named(self.let(f"{a.value} + {b.value}"), _added(a.slopes, b.slopes), _added(a.bends, b.bends))
 
     def product(self, a: _Jet, b: _Jet) -> _Jet:
         jet = self.weighted([(b.value, a), (a.value, b)])
@@ -231,13 +227,8 @@ class _Writer:
 
     def weighted(self, parts: Sequence[tuple[str, _Jet]]) -> _Jet:
         """The derivatives of a sum of jets with factors that are held fixed."""
-        slopes: dict[int, str] = {}
-        bends: dict[tuple[int, int], str] = {}
-        for factor, jet in parts:
-            for i, a in jet.slopes.items():
-                slopes[i] = _plus(slopes.get(i), f"{factor} * {a}")
-            for ij, a in jet.bends.items():
-                bends[ij] = _plus(bends.get(ij), f"{factor} * {a}")
+        slopes: Slopes = reduce(_added, (_times(factor, jet.slopes) for factor, jet in parts), {})
+        bends: Bends = reduce(_added, (_times(factor, jet.bends) for factor, jet in parts), {})
         return self.named("0.0", slopes, bends)
 
     def norm(self, p: Any, *parts: _Jet) -> _Jet:
@@ -260,7 +251,7 @@ class _Writer:
             if not turn:
                 continue
             weight = self.let(f"{_number(p - 1)} * {steep[i]} * {steep[j]} * {one} if {value} > 0.0 else 0.0")
-            bends = self.with_outer(bends, {k: f"{weight} * {a}" for k, a in turn.items()}, turn)
+            bends = self.with_outer(bends, _times(weight, turn), turn)
         return self.named(value, jet.slopes, bends)
 
     def pairs(self, keys: Iterable[int]) -> list[tuple[int, int]]:
@@ -328,7 +319,7 @@ class _Writer:
             )
             for share, turn in zip(shares, axis.turns, strict=True):
                 factor = self.let(f"{used} ({share})")
-                bends = self.with_outer(bends, {i: f"{factor} * {a}" for i, a in turn.items()}, turn)
+                bends = self.with_outer(bends, _times(factor, turn), turn)
         return bends
 
     # -- kinks -------------------------------------------------------------------------------------------------
@@ -353,10 +344,10 @@ class _Writer:
         return self.times(self.let(f"{float(node.slope)} * {side}"), x)
 
     def extreme(self, node: Any, *parts: _Jet) -> _Jet:
-        sign = ">=" if isinstance(node, sp.Max) else "<="
+        less = "<" if isinstance(node, sp.Max) else ">"
         natural = str(len(parts) - 1)
         for i in reversed(range(len(parts) - 1)):
-            first = " and ".join(f"not {parts[i].value} {'<' if sign == '>=' else '>'} {b.value}" for b in parts[i + 1 :])
+            first = " and ".join(f"not {parts[i].value} {less} {b.value}" for b in parts[i + 1 :])
             natural = f"{i} if {first} else {natural}"
         return self.selected(self.chosen(natural), parts)
 
@@ -403,7 +394,7 @@ def scalar_values(name: str, exprs: Sequence[sp.Basic], others: Sequence[sp.Symb
     """
     numbers = dict[str, int]()
     writer = _Writer(0, numbers)
-    found = [fold(recognised(expr), writer.table(), writer.leaf((), others)).value for expr in exprs]
+    found = [writer.jet(recognised(expr), (), others).value for expr in exprs]
     lines = [f"def {name}(q, out):", *writer.lines, *(f"    out[{k}] = {value}" for k, value in enumerate(found)), "    return"]
     return "\n".join(lines), tuple(map(float, numbers))
 
@@ -416,8 +407,13 @@ def _number(node: Any) -> str:
     return repr(value)
 
 
-def _plus(first: str | None, second: str | None) -> str:
-    return first or second or "0.0" if first is None or second is None else f"{first} + {second}"
+def _times(factor: str, of: Mapping[K, str]) -> Mapping[K, str]:
+    return {place: f"{factor} * {text}" for place, text in of.items()}
+
+
+def _added(first: Mapping[K, str], second: Mapping[K, str]) -> Mapping[K, str]:
+    """Place by place; what has no text is 0."""
+    return {place: " + ".join(of[place] for of in (first, second) if place in of) for place in {**first, **second}}
 
 
 def _squares(texts: Sequence[str]) -> str:

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import ast
-from collections.abc import Mapping
+from collections import Counter
+from collections.abc import Iterable, Mapping
 from threading import RLock
 from typing import Any
 from unicodedata import normalize
 
 from duhem.errors import InputError
 
-__all__ = ["expression_tree", "module_tree", "respelled", "spelled"]
+__all__ = ["expression_tree", "module_tree", "repeated", "respelled", "spelled"]
 
 _TURN = RLock()
 """CPython counts how deep a tree is that it makes in one place for all threads; another thread may come in while it makes one, with the
@@ -42,9 +43,12 @@ def spelled(name: Any) -> Any:
 
 def respelled(given: Mapping[Any, Any], where: str) -> dict[Any, Any]:
     """``given`` by names in their normal form; InputError where two of them are one."""
-    made = {spelled(name): value for name, value in given.items()}
-    if len(made) < len(given):
-        names = [spelled(name) for name in given]
-        twice = next(name for name in names if names.count(name) > 1)
-        raise InputError(f"{twice!r} is given twice, in two spellings", where=where, remedy="give it once")
-    return made
+    names = [spelled(name) for name in given]
+    if twice := repeated(names):
+        raise InputError(f"{twice[0]!r} is given twice, in two spellings", where=where, remedy="give it once")
+    return dict(zip(names, given.values(), strict=True))
+
+
+def repeated(names: Iterable[Any]) -> list[Any]:
+    """The names that are there more than once."""
+    return [name for name, count in Counter(names).items() if count > 1]

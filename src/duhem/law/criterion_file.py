@@ -41,20 +41,8 @@ Slots = Sequence[tuple[str, str | None]]  # what each entry of a flow is the rat
 
 
 @dataclass(frozen=True)
-class SectionReader:
-    """What stands where in a document; InputError for what is missing or of another kind."""
-
-    toml: PlacedToml
-
-    @property
-    def where(self) -> str:
-        """The name of the file."""
-        return self.toml.where
-
-    @property
-    def document(self) -> Mapping[str, Any]:
-        """Everything in it."""
-        return self.toml.document
+class SectionReader(PlacedToml):
+    """A document that says what stands where in it; InputError for what is missing or of another kind."""
 
     def table(self, section: str, *, required: bool = True) -> Mapping[str, Any]:
         given = self.document.get(section)
@@ -120,7 +108,7 @@ class SectionReader:
 
     def place(self, *path: Key) -> str:
         """file:line:column of a key, or the file where the key is not found."""
-        return self.toml.place(*(key for key in path if key != ""))
+        return super().place(*(key for key in path if key != ""))
 
     def formula(self, *path: Key) -> tuple[str, int, int]:
         """A formula with the line (from 1) and column (from 0) at which it begins.
@@ -128,7 +116,7 @@ class SectionReader:
         The text is taken as written in the file, so that the columns are the file's; a formula has no use for escapes.
         """
         value = self.value(*path) if isinstance(path[-1], int) else self.string(*path)
-        written, line, column = self.toml.written(*path) or (value, 1, 0)
+        written, line, column = self.written(*path) or (value, 1, 0)
         return (value if "\\" in written else written), line, column
 
 
@@ -156,13 +144,14 @@ def reads(text: str, where: str = "criterion", folder: Path | None = None) -> La
     """The law written in ``text``; ``where`` names it in messages, tables of numbers lie in ``folder``."""
     if not text.strip():
         raise InputError("the file is empty", where=where, remedy="start from the template: duhem init NAME")
-    return _CriterionReader(parsed(text, where, number=Decimal), folder).law()
+    return _CriterionReader(**vars(parsed(text, where, number=Decimal)), folder=folder).law()
 
 
 def expected_verdicts(path: str | PathLike[str]) -> Mapping[str, str]:
     """What a file expects of its law, formulas unread; nothing where the file is none."""
     try:
-        return _CriterionReader(parsed(text_of(path, "criterion file", MOST_BYTES), f"{path}", number=Decimal)).expected()
+        toml = parsed(text_of(path, "criterion file", MOST_BYTES), f"{path}", number=Decimal)
+        return _CriterionReader(**vars(toml)).expected()
     except InputError:
         return {}
 
@@ -211,13 +200,11 @@ class _CriterionReader(SectionReader):
             self.alone(own, "g", "potential", "[flow]", "[surface]")
         slots = variables.slots(forces)
         surfaces = self.surfaces(axes, read, slots)
-        bounded = self.rate_potential if viscous else partial(self.whole, slots=slots)
-        whole = YieldSurface(sp.nan) if surfaces or of_rates else bounded(axes, read)
+        whole = YieldSurface(sp.nan) if surfaces or of_rates else self.whole(axes, read, slots)
         head = self.head(forces, pressure, domains, define) | self.state(variables, read, slots) | {"viscous": viscous}
-        bounds = {key: getattr(whole, key) for key in ("g", "flow", "potential", "written", "written_flow")}
         domain = self.ranges(forces, pressure)
         with faults_at(self.where):
-            law = Criterion(**head, **bounds, stress=stress, define=define, domain=domain, surfaces=surfaces)
+            law = Criterion(**head, **vars(whole), stress=stress, define=define, domain=domain, surfaces=surfaces)
         check_domain(law, where=self.place("criterion", "constraints"))
         return law
 
@@ -302,9 +289,10 @@ class _CriterionReader(SectionReader):
             domain = self.domain(key, {name: value for name, value in entry.items() if name in _PARAMETER}, "variables")
             force = spelled(entry["force"]) if "force" in entry else None
             found[spelled(key)] = Variable(force, "observable" in entry, "temperature" in entry, domain)
-        for name, what, remedy in misfits(found, forces, "energy" in self.document):
+        variables = Variables(found)
+        for name, what, remedy in misfits(variables, forces, "energy" in self.document):
             raise self.error(what, "variables", name, remedy=remedy)
-        return Variables(found)
+        return variables
 
     def bodies(self) -> Mapping[str, Any]:
         """The temperatures of bodies that exchange heat, each with its conductance."""
@@ -379,8 +367,7 @@ class _CriterionReader(SectionReader):
         if given is False:
             return None
         if not isinstance(given, str) or not given:
-            remedy = 'write pressure = "sigma_n", or pressure = false'
-            raise self.error("pressure is not a name", "criterion", "pressure", remedy=remedy)
+            raise self.error("pressure is not a name", "criterion", "pressure", remedy='write pressure = "sigma_n", or pressure = false')
         return str(spelled(given))
 
     def check_names(self, declared: Sequence[Declared], invariants: frozenset[str]) -> None:
@@ -437,11 +424,6 @@ class _CriterionReader(SectionReader):
 
     # -- what bounds K, and the slip there ----------------------------------------------------------------------
 
-    def rate_potential(self, forces: Sequence[sp.Symbol], read: Reading) -> YieldSurface:
-        """The potential of [dissipation], whose gradient by the forces the rates are."""
-        potential, written = self.of_forces("the potential", "dissipation", "potential", forces=forces, read=read)
-        return YieldSurface(potential, written=written)
-
     def of_forces(self, what: str, *path: Key, forces: Sequence[sp.Symbol], read: Reading) -> tuple[sp.Expr, str]:
         """The formula at a place, which depends on a force, and its text."""
         formula, written = read(*path)
@@ -450,7 +432,10 @@ class _CriterionReader(SectionReader):
         return formula, written
 
     def whole(self, forces: Sequence[sp.Symbol], read: Reading, slots: Slots) -> YieldSurface:
-        """The one surface of a law without [[surface]]: g and potential in [criterion], or [flow]."""
+        """The one surface of a law without [[surface]]: g and potential in [criterion], or [flow]; or the potential of [dissipation]."""
+        if "potential" in self.table("dissipation", required=False):
+            potential, written = self.of_forces("the potential", "dissipation", "potential", forces=forces, read=read)
+            return YieldSurface(potential, written=written)
         flow = ("flow", "direction") if "flow" in self.document else ()
         if flow:
             self.keys("flow", self.table("flow"), ("direction",))
@@ -505,8 +490,7 @@ class _CriterionReader(SectionReader):
             raise self.error(f"[boundary] has no {key}", "boundary", remedy=f"add {key} = {example}")
         entries = self.entries("boundary", key, example=example)
         if len(entries) != 2:
-            remedy = f"write {key} = {example}"
-            raise self.error(f"{key} has {len(entries)} components for 2 forces", "boundary", key, remedy=remedy)
+            raise self.error(f"{key} has {len(entries)} components for 2 forces", "boundary", key, remedy=f"write {key} = {example}")
         found = [read(*entry) for entry in entries]
         for entry, (expr, _) in zip(entries, found, strict=True):
             if not closes(expr, angle):

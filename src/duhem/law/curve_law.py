@@ -21,7 +21,7 @@ from duhem.expression import symbol
 from duhem.expression.abbreviations import NONE
 from duhem.expression.syntax import spelled
 from duhem.law.domain import POSITIVE, Domain, Domains
-from duhem.law.formula_law import FORCES, PRESSURE, Criterion, DeclaredLaw, as_expression, swapped
+from duhem.law.formula_law import FORCES, PRESSURE, Criterion, DeclaredLaw, as_expression, declared_symbols, swapped
 from duhem.law.frozen_mapping import FrozenMapping
 from duhem.law.given import argument_names, called, listed, moved, moved_relations, relations, text_of
 from duhem.law.registry import register
@@ -101,7 +101,7 @@ class ParametricCriterion(DeclaredLaw):
 
     def symbols(self) -> dict[str, sp.Symbol]:
         """Every declared name with its symbol: forces, pressure, angle, parameters, in this order."""
-        return self._declared(self.angle)
+        return declared_symbols((*self.coordinates, self.angle), self.pressure, self.parameters)
 
     @property
     def associated(self) -> bool:

@@ -64,9 +64,7 @@ class Domain:
         return -inf if self.low is None else float(self.low), inf if self.high is None else float(self.high)
 
     def __contains__(self, value: object) -> bool:
-        number = exact_number(value)
-        above = self.low is None or (number > 0 if self.positive else number >= self.low)
-        return bool(above and (self.high is None or number <= self.high))
+        return self.covers(Domain.fixed(exact_number(value)))
 
     def covers(self, other: Domain) -> bool:
         """Whether every value in ``other`` lies in this domain."""

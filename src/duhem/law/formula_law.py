@@ -9,7 +9,7 @@ share one unit; what else carries a unit is the law's affair.
 from __future__ import annotations
 
 import inspect
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import repeat
 from keyword import iskeyword
@@ -38,7 +38,7 @@ from duhem.show.printing import Shown, latex
 
 __all__ = [
     "FORCES", "PRESSURE", "Criterion", "DeclaredLaw", "Definitions", "PlacedFormula", "YieldSurface", "as_expression", "criterion",
-    "definitions", "flow_of", "name_fault", "swapped",
+    "declared_symbols", "definitions", "flow_of", "name_fault", "swapped",
 ]  # fmt: skip
 
 
@@ -114,8 +114,7 @@ def flow_of(potential: sp.Expr, forces: Sequence[sp.Symbol]) -> tuple[sp.Expr, .
     """The flow that a potential gives; InputError, without a place, where it gives none."""
     flow = gradient(potential, forces)
     if not any(flow):
-        remedy = f"use at least one of {', '.join(map(str, forces))}"
-        raise InputError("the potential does not depend on any force", remedy=remedy)
+        raise InputError("the potential does not depend on any force", remedy=f"use at least one of {', '.join(map(str, forces))}")
     return flow
 
 
@@ -191,6 +190,12 @@ def name_fault(name: Any, taken: Sequence[Any], whose: str, invariants: frozense
     return (f"{name!r} is declared twice", f"give each {whose} a name of its own") if taken.count(name) > 1 else None
 
 
+def declared_symbols(names: Iterable[str], pressure: str | None, parameters: Mapping[str, Domain]) -> dict[str, sp.Symbol]:
+    """Every declared name with its symbol: the ``names`` of forces, of the ``pressure`` and of what is no parameter, and parameters."""
+    table = {name: symbol(name, nonpositive=True) if name == pressure else symbol(name) for name in names}
+    return table | {name: domain.symbol(name) for name, domain in parameters.items()}
+
+
 _MOST = 4  # parameters in one line
 
 
@@ -232,11 +237,6 @@ class DeclaredLaw(Verbatim, Shown):
     def fixed_values(self) -> dict[sp.Symbol, sp.Rational]:
         """The fixed parameters, in order, with their values."""
         return {domain.symbol(name): domain.value for name, domain in self.parameters.items() if domain.value is not None}
-
-    def _declared(self, *more: str) -> dict[str, sp.Symbol]:
-        """Every declared name with its symbol: forces, pressure, what is declared besides, parameters."""
-        table = {name: symbol(name, nonpositive=True) if name == self.pressure else symbol(name) for name in (*self.coordinates, *more)}
-        return table | {name: domain.symbol(name) for name, domain in self.parameters.items()}
 
     def _set(self, **values: Any) -> None:
         """Give fields of the frozen value what was made of what was given for them."""
@@ -343,7 +343,7 @@ class Criterion(DeclaredLaw):
         self._set(forces=tuple(map(spelled, forces)), pressure=spelled(self.pressure), variables=variables)
         self._set(parameters=Domains(more | Domains(self.parameters)), expect=FrozenMapping(self.expect))
         self._check_names()
-        self._set(_symbols=self._declared(*self.velocities.values()))
+        self._set(_symbols=declared_symbols((*self.coordinates, *self.velocities.values()), self.pressure, self.parameters))
         known = self.symbols()
         define = self.define
         if not isinstance(define, Definitions) or (define.short.stress, define.short.known) != (self.stress, frozenset(known)):
@@ -406,8 +406,7 @@ class Criterion(DeclaredLaw):
                 what = "a law with several surfaces takes g and flow from its surfaces"
                 raise InputError(what, where=self.name, remedy="remove g, flow and potential")
             whole = YieldSurface(most, written=f"max({', '.join(texts)})" if all(texts) else "")
-        bounds = {name: getattr(whole, name) for name in ("g", "flow", "potential", "written", "written_flow")}
-        self._set(surfaces=tuple(surfaces), **bounds)
+        self._set(surfaces=tuple(surfaces), **vars(whole))
 
     @property
     def graph(self) -> Graph | None:
@@ -581,8 +580,7 @@ def criterion(
         declared = Domains(parameters)
         domains = {a: declared.get(a, POSITIVE) for a in arguments if a not in fixed_names}
         domains |= {n: d for n, d in declared.items() if define and n not in domains}  # for what is defined
-        shell = {n: symbol(n) for n in axes} | ({load: symbol(load, nonpositive=True)} if load else {})
-        shell |= {n: d.symbol(n) for n, d in domains.items()}
+        shell = declared_symbols((*axes, *([load] if load else [])), load, domains)
         local = Definitions.of(define or {}, shell, of, named)
         values = shell | {n: parse_expression(n, shell, short=local.short) for n in local}
         made = called(f, values)

@@ -17,7 +17,7 @@ from duhem.expression.number import InertNumber
 from duhem.expression.text import formula
 from duhem.law.curve_law import Law, ParametricCriterion
 from duhem.law.domain import Domain
-from duhem.law.formula_law import Criterion, YieldSurface
+from duhem.law.formula_law import Criterion, DeclaredLaw, YieldSurface
 from duhem.show.page import tied
 from duhem.show.printing import Sheet, Typeset, latex, latex_name, plain, sheet
 
@@ -108,8 +108,7 @@ def _in_domain(name: str, domain: Domain) -> str:
     return domain.stated(name) if domain.value is None else tied(f"{name} {number_in_words(str(domain.value))}")
 
 
-@sheet.register(Criterion)
-@sheet.register(ParametricCriterion)
+@sheet.register(DeclaredLaw)
 def as_sheet(law: Law) -> Sheet:
     """The fields of :func:`stated`, the boundary as a formula."""
     (title, boundary), *rest = stated(law)
@@ -117,8 +116,7 @@ def as_sheet(law: Law) -> Sheet:
     return Sheet(f"{law.name}: {law.summary}" if law.summary else law.name, fields)
 
 
-@latex.register(Criterion)
-@latex.register(ParametricCriterion)
+@latex.register(DeclaredLaw)
 def as_latex(law: Law) -> str:
     """g <= 0, or the boundary curve, as SymPy writes it; names as in derivations."""
     known = law.symbols()
@@ -132,8 +130,7 @@ def as_latex(law: Law) -> str:
     return rf"{sp.latex(law.g, symbol_names=names)} \leq 0"
 
 
-@plain.register(Criterion)
-@plain.register(ParametricCriterion)
+@plain.register(DeclaredLaw)
 def as_dict(law: Law) -> dict[str, Any]:
     """What the law states, formulas as text in the words of a criterion file; ``domains`` of the parameters in numbers, too."""
     return {

@@ -206,8 +206,7 @@ def table_beside(folder: Path | None, given: str, where: str) -> tuple[tuple[str
             raise InputError(what, where=f"{file}:{i}", remedy="make all rows as long, without blank lines")
         for j, entry in enumerate(row, 1):
             if len(entry) > MOST_DIGITS:
-                what = f"entry {j} has {len(entry)} characters"
-                raise InputError(what, where=f"{file}:{i}", remedy=f"at most {MOST_DIGITS} are read")
+                raise InputError(f"entry {j} has {len(entry)} characters", where=f"{file}:{i}", remedy=f"at most {MOST_DIGITS} are read")
             if not _NUMBER.fullmatch(entry):
                 what = f"entry {j} is {f'{entry[:24]!r}, which is' if entry else 'blank, which is'} no number"
                 raise InputError(what, where=f"{file}:{i}", remedy="write finite decimals such as 0.15 or -1e-6, and no heading")

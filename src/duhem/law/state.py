@@ -6,7 +6,7 @@ With psi(u, alpha, T) per unit area (or volume) the forces are sigma = d psi/d u
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Any
@@ -82,7 +82,7 @@ def variables_of(law: Any) -> Variables:
     return law.variables
 
 
-def misfits(variables: Mapping[str, Variable], forces: Sequence[str], energy: bool) -> Iterator[tuple[str, str, str]]:
+def misfits(variables: Variables, forces: Sequence[str], energy: bool) -> Iterator[tuple[str, str, str]]:
     """What does not fit: the variable, or nothing where one is missing, what is wrong with it, and the remedy."""
     for name, own in variables.items():
         if own.observable and own.temperature:
@@ -102,17 +102,16 @@ def misfits(variables: Mapping[str, Variable], forces: Sequence[str], energy: bo
                 yield name, two, "give each a force of its own"
     if temperatures := [name for name, own in variables.items() if own.temperature][1:]:
         yield temperatures[0], "there are two temperatures", "declare one"
-    driven = {own.force for own in variables.values() if own.internal}
-    observed = {own.force: name for name, own in variables.items() if own.observable}
+    observed = variables.observed()
     for force in forces if energy else ():
-        if force not in driven:
+        if force not in variables.driven():
             given = f"remove {force} from forces, as the energy gives the force of {observed[force]}; or " if force in observed else ""
             yield "", f"no internal variable has the force {force}", f'{given}declare one, such as {force}_in = {{ force = "{force}" }}'
 
 
 def check_state(law: Any) -> None:
     """InputError where variables, rates and energy of a :class:`~duhem.law.formula_law.Criterion` do not fit it."""
-    variables = law.variables
+    variables = variables_of(law)
     for _, what, remedy in misfits(variables, law.forces, law.energy is not None):
         raise InputError(what, where=f"variables of {law.name}", remedy=remedy)
     if taken := [own.force for own in variables.values() if own.force is not None and own.force in (*law.parameters, law.pressure)]:

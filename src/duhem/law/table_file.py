@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from duhem.errors import InputError
-from duhem.expression.syntax import spelled
+from duhem.expression.syntax import repeated, spelled
 
 __all__ = ["MOST_NUMBERS", "cells_of", "header_of", "lines_of", "read_table", "reading"]
 
@@ -107,8 +107,8 @@ def header_of(cells: list[str], place: str, example: str = "such as time,u_a,u_b
         raise InputError("there is no header", where=place, remedy=f"write the names of the columns above, {example}")
     if odd := next((name for name in names if not name.isprintable()), None):
         raise InputError(f"the column {odd[:40]!r} has an invisible character in its name", where=place, remedy="write the name anew")
-    if twice := next((name for name in names if names.count(name) > 1), None):
-        raise InputError(f"the column {twice[:40]!r} is there twice", where=place, remedy="give each column its own name")
+    if twice := repeated(names):
+        raise InputError(f"the column {twice[0][:40]!r} is there twice", where=place, remedy="give each column its own name")
     return names
 
 

@@ -108,7 +108,7 @@ def read(file: str | os.PathLike[str], **means: Unpack[Means]) -> Campaign:
 
 def reads(text: str, where: str = "campaign", folder: str | os.PathLike[str] = ".", **means: Unpack[Means]) -> Campaign:
     """The campaign written in ``text``; files it names are looked for in ``folder``."""
-    return _CampaignReader(parsed(text, where, number=Decimal)).campaign(Path(folder), means)
+    return _CampaignReader(**vars(parsed(text, where, number=Decimal))).campaign(Path(folder), means)
 
 
 class _CampaignReader(SectionReader):
