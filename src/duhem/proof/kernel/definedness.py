@@ -11,11 +11,11 @@ guard that the condition does not hold.  A condition on constants is a constrain
 The one theorem on limits: where a formula has no value at a tip, and what it is there by continuity.  A tip is where a form that is >= 0
 is 0, on a set without an inside: J2 of a tensor that the forces may be, which is 0 on an axis.  Let a formula g have a value wherever the
 tip is not 0, every obligation being decided there, and let each part of g that has none on the axis stand in a function rho^k f, k > 0,
-rho = sqrt(J2), f bounded, or in a product with a constant that is 0: it tends to 0 there. Then g, with 0 for these functions, which must
-have a value on the axis too, is what g extends to, continuously. Nothing else that divides 0 by 0 is given a value. K is the set where g,
-so extended, is <= 0. The same is read of g with what is divided by the same added up over it, N/P for the terms of N each over P: that is
-g wherever g has a value. For N = q P + R, R not 0, it is q + R/P there: where g has a value wherever the tip is not 0, it has the limits
-of that at the tip. A quotient with N = 0 or R = 0 is left as it was.
+rho = sqrt(J2), f bounded: it tends to 0 there.  Then g, with 0 for these functions, which must have a value on the axis too, is what g
+extends to, continuously.  Nothing else that divides 0 by 0 is given a value.  K is the set where g, so extended, is <= 0.  The same is
+read of g with what is divided by the same added up over it, N/P for the terms of N each over P: that is g wherever g has a value.  For
+N = q P + R, R not 0, it is q + R/P there: where g has a value wherever the tip is not 0, it has the limits of that at the tip.  A quotient
+with N = 0 or R = 0 is left as it was.
 
 So it is of zero force where g has a value everywhere else and parts G_k of degree k >= 0 in the forces, G_0 a constant: as G_k is r^k
 times what is bounded, being continuous, g tends to G_0 there.  At zero force alone a gauge A <= B of :mod:`plane_gauge` may have no

@@ -340,14 +340,10 @@ class DeviatoricReader(PlaneVariable):
         return value is not None and value.degree > 0 and self.above(value.poly, strict=True)
 
     def emptied(self, term: Term) -> Term:
-        """The term as it is where the deviator is 0; what is compared stays, for beside that place it may have another sign.
-
-        What is multiplied by a constant that is 0 is 0 around that place.
-        """
+        """The term as it is where the deviator is 0; what is compared stays, for beside that place it may have another sign."""
         if term.op in COMPARISONS:
             return term
-        nothing = term.op == "*" and any(self.domain.constant(a) and self.domain.facts(a).sign == ZERO for a in term.args)
-        return number(0) if nothing or (self.degree(term) or 0) > 0 else term._replace(args=tuple(map(self.emptied, term.args)))
+        return number(0) if (self.degree(term) or 0) > 0 else term._replace(args=tuple(map(self.emptied, term.args)))
 
     def degree(self, term: Term) -> Fraction | None:
         """k where a term, which has a value where the deviator is not 0, is rho^k f, f continuous in its direction, and so bounded."""
