@@ -12,7 +12,7 @@ from fractions import Fraction
 
 from duhem.proof.kernel.curvature import over, within_ranges
 from duhem.proof.kernel.curve import StatedCurve
-from duhem.proof.kernel.definedness import Reader, asks, continued, in_quotients, undecided_beside
+from duhem.proof.kernel.definedness import Reader, asks, continued, divided_out, undecided_beside
 from duhem.proof.kernel.domain import ANY, NEGATIVE, POSITIVE, StatedDomain
 from duhem.proof.kernel.homogeneity import by_degree
 from duhem.proof.kernel.pieces import chooses
@@ -96,7 +96,7 @@ def limits(law: StatedLaw) -> tuple[Term, ...]:
         if found := tuple(_at_zero_force(law)):
             return found
     with suppress(NotWritten):
-        form = in_quotients(law.g, over(law), divided_out=True)
+        form = divided_out(law.g, over(law))
         return tuple(continued(law.g, over(law._replace(g=form)), form))
     return ()
 
