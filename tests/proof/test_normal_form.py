@@ -154,6 +154,11 @@ def test_a_convex_law_is_proved_however_it_is_spelled(text: str) -> None:
         (("x/norm(x, y)", "2*y/norm(y, x)"), False),
         (("x/norm(x, y)", "y/norm(y, x) + 0/k"), True),
         (("x/norm(x, y)", "y/norm(y, x) + 0/v"), False),
+        (("k*x/(k*norm(x, y))", "(y + v*norm(x, y))/norm(y, x) - v"), True),
+        (("v*x/(v*norm(x, y))", "y/norm(y, x)"), False),
+        (("x/norm(x, y)", "(y*norm(x, 1)*(x - y))/(norm(x, 1)*norm(x, y)*(x - y))"), False),
+        (("x/norm(x, y)", "y/norm(x, y) + sqrt(x) - sqrt(x)"), False),
+        (("x/norm(x, y)", "y/norm(x, y) + (x - 1)*(1/(x - 1) - 1/(x - 1))"), False),
     ],
 )
 def test_a_slip_is_read_however_it_is_spelled(slip: Sequence[str], normal_to_k: bool) -> None:
