@@ -36,7 +36,7 @@ from duhem.proof.kernel.domain import ANY, NEGATIVE, POSITIVE, ZERO, Sign, State
 from duhem.proof.kernel.forms import by_forces, place_of
 from duhem.proof.kernel.normal_form import normal
 from duhem.proof.kernel.pieces import below
-from duhem.proof.kernel.polynomial import number_in, written
+from duhem.proof.kernel.polynomial import divided, number_in, written
 from duhem.proof.kernel.term import COMPARISONS, NotWritten, Term, minus, number, product_of, sum_of
 
 __all__ = [
@@ -188,19 +188,38 @@ def continued(term: Term, domain: StatedDomain, form: Term | None = None) -> Ite
 def divided_out(term: Term, domain: StatedDomain) -> Term:
     """The normal form, with q + R/P for (q P + R)/P; it has a value where the term has one, and nowhere else.
 
-    NotWritten where a part is gone that may have no value, as 1/P is for R = 0, or is read in a choice alone: the others show where the
-    term has none.
+    Where a part is gone that may have no value, as 1/P is for R = 0, or is left in a choice alone, nothing else shows where the term has
+    none: so its parts are put in their own normal forms, and it stays.
     """
     form, reader = normal(term, domain), Reader(domain)
 
-    def without_value(parts: Iterable[Term]) -> set[Term]:
-        return {x for x in parts if x.op in _PARTIAL and reader.undecided(x) is not None}
+    def asked(parts: Iterable[Term]) -> set[object]:
+        open_parts = (x for x in parts if x.op in _PARTIAL and reader.undecided(x) is not None)
+        return {question for x in open_parts for question in _questions(x, domain)}
 
-    left = without_value(_always_read(form))
-    for x in () if reader.undecided(term) is None else without_value(term.parts()):
-        if not (own := without_value(_always_read(normal(x, domain)))) or not own <= left:
-            raise NotWritten("what may have no value is gone")
-    return form
+    left, parts = asked(_always_read(form)), [] if reader.undecided(term) is None else [x for x in term.parts() if asked([x])]
+    if all((own := asked(_always_read(normal(x, domain)))) and own <= left for x in parts):
+        return form
+    return term._replace(args=tuple(a if a.op in _CONDITIONS else divided_out(a, domain) for a in term.args))
+
+
+def _questions(x: Term, domain: StatedDomain) -> Iterator[object]:
+    """What a part asks for: of a power with a number that its base is not 0, or >= 0, the same for all multiples of the base."""
+    if x.op != "**" or x.args[1].op != "number":
+        yield x
+        return
+    base, n = x.args[0], x.args[1].value
+    if n.denominator > 1:
+        yield "root", _up_to_a_number(base, domain)
+    while base.op == "**" and domain.facts(base.args[1]).sign == POSITIVE:
+        base = base.args[0]  # 0 where that is
+    if n < 0:
+        yield "divisor", _up_to_a_number(base, domain)
+
+
+def _up_to_a_number(term: Term, domain: StatedDomain) -> object:
+    poly = domain.polynomial(term)
+    return frozenset(divided(poly, (), abs(poly[min(poly)])).items()) if poly else frozenset()
 
 
 def _always_read(term: Term) -> Iterator[Term]:
