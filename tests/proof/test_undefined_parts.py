@@ -14,8 +14,7 @@ from duhem.proof.kernel import claims, obligations
 from duhem.proof.kernel.certificate import CLAIMS, SCHEMA, digest, recheck, stated
 from duhem.proof.kernel.constant_value import exact_value
 from duhem.proof.kernel.curvature import over
-from duhem.proof.kernel.definedness import Reader, divided_out, rarely_zero, undecided_beside
-from duhem.proof.kernel.normal_form import normal
+from duhem.proof.kernel.definedness import Reader, rarely_zero, undecided_beside
 from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.kernel.term import NotWritten, parse
 from tests.campaigns import undefined_parts
@@ -293,25 +292,6 @@ def test_a_choice_of_constants_is_proved_on_either_side() -> None:
 )  # fmt: skip
 def test_where_j2_is_zero_a_formula_has_a_limit_or_none(g: str, there: bool) -> None:
     assert bool(obligations.limits(StatedLaw.read(law(g, "a b c")))) is there
-
-
-@pytest.mark.parametrize(
-    ("part", "kept"),
-    [
-        ("(a*b + b)/a", True), ("a*b/a", False), ("e*a/e", False), ("e*a/e + 1/e", True), ("m*a/m", True), ("a*b/a + 1/a", True),
-        ("a*b/a + where(a > 0, 1/a, 0)", False), ("where(a > 0, 1/a, 0) + a", True), ("where(a > 0, 1/a, 0) + 1/b", False),
-        ("log(a) - log(a) + b", False), ("log(a) - log(a) + log(a)**2", True), ("sqrt(a)*sqrt(a) + b", False),
-        ("1/(a*b) + 1/a - 1/a", True), ("a/(a*b)", False), ("norm(a, 1)/norm(a, 1) + 1/b", True),
-        ("(a*sqrt(b) + b*a)/(2*b)**(3/2)", True), ("(a*sqrt(b) + b*a)/(2*a)**(3/2)", True), ("sqrt(a)/sqrt(-a) + 1/a", True),
-        ("a**e + a**(-e)*a**e", True), ("1/(a**3*b) + a**2/(a**2*b)", True), ("b/sqrt(a)/sqrt(a)", False), ("b/sqrt(a)/a", True),
-        ("max(a, 1/b) + b/b", True), ("sqrt(a**2 - 2) + 1/a", True),
-    ],
-)  # fmt: skip
-def test_a_normal_form_has_a_value_where_what_was_written_has_one_alone(part: str, kept: bool) -> None:
-    domain = over(small_law(f"a + 0*({part})"))
-    term, form = parse(part), divided_out(parse(part), domain)
-    assert (form == normal(term, domain)) is kept
-    assert (Reader(domain).undecided(form) is None) is (Reader(domain).undecided(term) is None)
 
 
 @pytest.mark.parametrize(

@@ -13,9 +13,9 @@ is 0, on a set without an inside: J2 of a tensor that the forces may be, which i
 tip is not 0, every obligation being decided there, and let each part of g that has none on the axis stand in a function rho^k f, k > 0,
 rho = sqrt(J2), f bounded: it tends to 0 there.  Then g, with 0 for these functions, which must have a value on the axis too, is what g
 extends to, continuously.  Nothing else that divides 0 by 0 is given a value.  K is the set where g, so extended, is <= 0.  The same is
-read of g in its normal form, where N/P stands for the terms of N each over P, and q + R/P for N = q P + R: that is g wherever g has a
-value.  So where g has one wherever the tip is not 0, it has the limits of that at the tip.  Nothing is read so where a quotient is gone, as
-it is for N = 0 or R = 0, or another part that may have no value.
+read of g with what is divided by the same added up over it, N/P for the terms of N each over P: that is g wherever g has a value.  For
+N = q P + R, R not 0, it is q + R/P there: where g has a value wherever the tip is not 0, it has the limits of that at the tip.  A quotient
+with N = 0 or R = 0 is left as it was.  The normal form of all of g is read so too where no part is gone that may have no limit.
 
 So it is of zero force where g has a value everywhere else and parts G_k of degree k >= 0 in the forces, G_0 a constant: as G_k is r^k
 times what is bounded, being continuous, g tends to G_0 there.  At zero force alone a gauge A <= B of :mod:`plane_gauge` may have no
@@ -29,18 +29,19 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import suppress
 from fractions import Fraction
+from itertools import product
 from typing import NamedTuple
 
 from duhem.proof.kernel.deviatoric import deviatoric_readers
 from duhem.proof.kernel.domain import ANY, NEGATIVE, POSITIVE, ZERO, Sign, StatedDomain, gap
 from duhem.proof.kernel.forms import by_forces, place_of
-from duhem.proof.kernel.normal_form import normal
+from duhem.proof.kernel.normal_form import added, normal, scaled
 from duhem.proof.kernel.pieces import below
 from duhem.proof.kernel.polynomial import divided, number_in, written
 from duhem.proof.kernel.term import COMPARISONS, NotWritten, Term, minus, number, product_of, sum_of
 
 __all__ = [
-    "AGAINST", "Reader", "asks", "continued", "divided_out", "divides_by_zero_force", "has_value", "rarely_zero",
+    "AGAINST", "Reader", "asks", "continued", "divides_by_zero_force", "has_value", "in_quotients", "put_over_divisors", "rarely_zero",
     "sign_on_axis", "undecided_beside",
 ]  # fmt: skip
 
@@ -48,6 +49,7 @@ AGAINST = {"<": ">=", "<=": ">", ">": "<=", ">=": "<"}  # what holds where a com
 _PARTIAL = ("**", "log", "asin", "acos", "tan", "atan2")
 _SETTLED = (NEGATIVE, ZERO, POSITIVE)
 _ONE = number(1)
+_MOST_QUOTIENTS = 50
 _CONDITIONS = (*COMPARISONS, "and", "or")
 
 
@@ -185,48 +187,71 @@ def continued(term: Term, domain: StatedDomain, form: Term | None = None) -> Ite
                 yield there
 
 
-def divided_out(term: Term, domain: StatedDomain) -> Term:
-    """The normal form, with q + R/P for (q P + R)/P; it has a value where the term has one, and nowhere else.
+def put_over_divisors(term: Term, domain: StatedDomain) -> Term:
+    """The normal form, with q + R/P for (q P + R)/P; NotWritten where something is gone that may have no limit, as 1/P is for R = 0."""
+    form = normal(term, domain)
+    if any(not _without_limit(normal(x, domain), domain) <= _without_limit(form, domain) for x in _without_limit(term, domain)):
+        raise NotWritten("what has no limit is multiplied by 0")
+    return form
 
-    Where a part is gone that may have no value, as 1/P is for R = 0, or is left in a choice alone, nothing else shows where the term has
-    none: so its parts are put in their own normal forms, and it stays.
+
+def _without_limit(term: Term, domain: StatedDomain) -> set[Term]:
+    """The parts that forces enter and that may have no limit where they have no value; a root has one."""
+    parts = (x for x in term.parts() if x.op in _PARTIAL and not domain.constant(x))
+    return {x for x in parts if x.op != "**" or domain.facts(x.args[1]).sign != POSITIVE}
+
+
+def in_quotients(term: Term, domain: StatedDomain, divided_out: bool = False) -> Term:
+    """The term with its largest parts that have a value everywhere in normal form, and what is divided by the same as one quotient.
+
+    It has a value where the term has one, and the same; a quotient that then is 0 stays as it was.  With what it divides by
+    ``divided_out``, q + R/P for (q P + R)/P, it may have one in more places; a quotient that then has one everywhere stays as it was.
     """
-    form, reader = normal(term, domain), Reader(domain)
-
-    def asked(parts: Iterable[Term]) -> set[object]:
-        open_parts = (x for x in parts if x.op in _PARTIAL and reader.undecided(x) is not None)
-        return {question for x in open_parts for question in _questions(x, domain)}
-
-    left, parts = asked(_always_read(form)), [] if reader.undecided(term) is None else [x for x in term.parts() if asked([x])]
-    if all((own := asked(_always_read(normal(x, domain)))) and own <= left for x in parts):
-        return form
-    return term._replace(args=tuple(a if a.op in _CONDITIONS else divided_out(a, domain) for a in term.args))
-
-
-def _questions(x: Term, domain: StatedDomain) -> Iterator[object]:
-    """What a part asks for: of a power with a number that its base is not 0, or >= 0, the same for all multiples of the base."""
-    if x.op != "**" or x.args[1].op != "number":
-        yield x
-        return
-    base, n = x.args[0], x.args[1].value
-    if n.denominator > 1:
-        yield "root", _up_to_a_number(base, domain)
-    while base.op == "**" and domain.facts(base.args[1]).sign == POSITIVE:
-        base = base.args[0]  # 0 where that is
-    if n < 0:
-        yield "divisor", _up_to_a_number(base, domain)
+    parts = list[Term]()
+    for divisors, values in _quotients(term, domain, divided_out).items():
+        under = tuple((x, 1) for x in divisors)
+        asked = [(value, Reader(domain).undecided(value) is None) for value in values]
+        whole = added([value for value, has_one in asked if has_one])
+        if domain.polynomial(whole):
+            values = [normal(whole, domain), *(value for value, has_one in asked if not has_one)]
+            with suppress(NotWritten):  # what is too long stays as it was
+                left = normal(scaled(values[0], under), domain)
+                if divided_out and Reader(domain).undecided(left) is not None:
+                    parts, values = [*parts, left], values[1:]
+        parts += [scaled(value, under) for value in values]
+    return added(parts)
 
 
-def _up_to_a_number(term: Term, domain: StatedDomain) -> object:
-    poly = domain.polynomial(term)
-    return frozenset(divided(poly, (), abs(poly[min(poly)])).items()) if poly else frozenset()
-
-
-def _always_read(term: Term) -> Iterator[Term]:
-    """The parts of a formula but for the values of its choices."""
-    yield term
-    for a in term.args[:1] if term.op == "where" else term.args:
-        yield from _always_read(a)
+def _quotients(term: Term, domain: StatedDomain, divided_out: bool) -> dict[tuple[Term, ...], list[Term]]:
+    """What a term adds up, by what each is divided by."""
+    found = dict[tuple[Term, ...], list[Term]]()
+    if Reader(domain).undecided(term) is None:
+        found[()] = [term]
+    elif term.op == "+":
+        for a in term.args:
+            for divisors, values in _quotients(a, domain, divided_out).items():
+                found.setdefault(divisors, []).extend(values)
+    elif term.op == "*":
+        found[()] = [number(1)]
+        for a in term.args:
+            pairs = product(found.items(), _quotients(a, domain, divided_out).items())
+            found = {}
+            for (below_one, ones), (below_two, twos) in pairs:
+                key = tuple(sorted((*below_one, *below_two)))
+                found.setdefault(key, []).append(scaled(added(ones), ((added(twos), 1),)))
+            if len(found) > _MOST_QUOTIENTS:
+                raise NotWritten("there are too many quotients")
+    elif term.op == "**" and Reader(domain).undecided(term.args[0]) is None and domain.facts(term.args[1]).sign == NEGATIVE:
+        base, p = normal(term.args[0], domain), number_in(domain.polynomial(term.args[1]))
+        poly, lead = domain.polynomial(base), Fraction(1)
+        if poly and p is not None and p.denominator == 1:
+            lead = abs(poly[min(poly)]) * (1 if domain.facts(base).sign & POSITIVE else -1)
+            base = normal(written(divided(poly, (), lead)), domain)
+        found[(Term("**", (base, term.args[1])),)] = [number(lead ** int(p or 0))]
+    else:
+        args = (a if a.op in _CONDITIONS else in_quotients(a, domain, divided_out) for a in term.args)
+        found[()] = [term._replace(args=tuple(args))]
+    return found
 
 
 def undecided_beside(terms: Iterable[Term], tips: Iterable[Term], domain: StatedDomain) -> Term | None:

@@ -25,7 +25,7 @@ from itertools import permutations
 from typing import NamedTuple
 
 from duhem.proof.kernel.curvature import over
-from duhem.proof.kernel.definedness import AGAINST, divided_out
+from duhem.proof.kernel.definedness import AGAINST, in_quotients
 from duhem.proof.kernel.domain import NEGATIVE, POSITIVE, ZERO, Bounds, StatedDomain
 from duhem.proof.kernel.forms import degree_at_most
 from duhem.proof.kernel.normal_form import normal
@@ -53,7 +53,7 @@ def normal_forms(law: StatedLaw) -> tuple[StatedLaw, ...]:
         if domain.facts(term).defined:
             return normal(term, domain, collects)
         with suppress(NotWritten):  # a slip that is too long stays as it is, and g has its normal form all the same
-            return divided_out(term, domain)
+            return in_quotients(term, domain)
         return term
 
     for collects in (False, True):
