@@ -193,6 +193,8 @@ OUTWARD = [
     ("abs(a)**n/k + abs(b)**n", {"k": 0.5, "n": 1.0}),
     ("exp(a) - a + b**2", {}),  # no slope at 0
     ("norm(pos(a)/k + pos(-a), b)", {"k": 0.5}),
+    ("sqrt((pos(a)/k + pos(-a))**2 + b**2)", {"k": 0.5}),
+    ("norm(where(a > 0, a, 0)/k + pos(-a), b)", {"k": 0.5}),
     ("a**4 + c*(a*b)**2 + b**4", {"c": 0.5}),
 ]
 INWARD = [
@@ -200,6 +202,8 @@ INWARD = [
     ("exp(a) + b**2", {}),
     ("abs(a) + c*b", {"c": 0.9}),
     ("a**2 + 2*k*cosh(b/k - 1)", {"k": 3.0}),
+    ("sqrt((pos(a)/k + pos(-a))**2 + (b - k)**2)", {"k": 3.0}),
+    ("norm(where(a > 0, a, 0) + pos(-a), b - k)", {"k": 3.0}),
     ("a**4 - 3*a**2 + b**2", {}),  # even, not convex
     ("cos(a) + cos(b)", {}),
 ]
@@ -211,6 +215,12 @@ def test_a_convex_potential_least_at_zero(potential: str, values: Mapping[str, f
     law = stated(g, EXPONENTS, flow={"potential": potential})
     assert confirmed("dissipation", "convex-potential", law) is right
     assert bool(least_power(level(g, values), level(potential, values)) > -1e-6) is right
+
+
+@pytest.mark.parametrize("potential", ["sqrt(pos(a)**2 + pos(b)**2)", "norm(where(a > 0, a, 0), pos(b))", "sqrt(c**2*a**2 + pos(b)**2)"])
+def test_not_one_whose_gradient_has_no_value_in_a_quadrant(potential: str) -> None:
+    law = stated("a**2 + b**2 + a*b - 1", EXPONENTS, flow={"potential": potential})
+    assert not confirmed("dissipation", "convex-potential", law)
 
 
 @pytest.mark.parametrize(

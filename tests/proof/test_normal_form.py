@@ -154,6 +154,11 @@ def test_a_convex_law_is_proved_however_it_is_spelled(text: str) -> None:
         (("x/norm(x, y)", "2*y/norm(y, x)"), False),
         (("x/norm(x, y)", "y/norm(y, x) + 0/k"), True),
         (("x/norm(x, y)", "y/norm(y, x) + 0/v"), False),
+        (("k*x/(k*norm(x, y))", "(y + v*norm(x, y))/norm(y, x) - v"), True),
+        (("v*x/(v*norm(x, y))", "y/norm(y, x)"), False),
+        (("x/norm(x, y)", "(y*norm(x, 1)*(x - y))/(norm(x, 1)*norm(x, y)*(x - y))"), False),
+        (("x/norm(x, y)", "y/norm(x, y) + sqrt(x) - sqrt(x)"), False),
+        (("x/norm(x, y)", "y/norm(x, y) + (x - 1)*(1/(x - 1) - 1/(x - 1))"), False),
     ],
 )
 def test_a_slip_is_read_however_it_is_spelled(slip: Sequence[str], normal_to_k: bool) -> None:
@@ -350,10 +355,27 @@ def test_a_choice_by_a_load_has_the_value_of_what_was_written(seed: int) -> None
         "pos(x - y)**2*x + neg(x - y)**2*x - pos(y)**3 + neg(y)**3",
         "sqrt(70 + (e - 1)*(x - y)**2/3 + pos(x))",
         "abs(x)**3/abs(x - 9)**2 - abs(x)*norm(x, y)**4/norm(x, y, 1)**3",
+        "(x**2 + (x - k*y)*(k*norm(x, 1) + y**2))/(k*norm(x, 1) + y**2)",
+        "(abs(x - y)*x + y)/(2*abs(x - y) + 1) - (norm(x, 1)*abs(y)*k - x*norm(x, 1))/(abs(y) + norm(x, 1))",
+        "(abs(y)*norm(x, 1)**3 + x)/(norm(x, 1) + abs(y))**2",
     ],
 )
 def test_so_it_has_where_something_is_subtracted_or_divided_by(text: str) -> None:
     _changed([text], Random(1))
+
+
+@pytest.mark.parametrize(
+    ("text", "apart"),
+    [
+        ("(x**2 + (x - k*y)*(norm(x, 1) + y**2))/(norm(x, 1) + y**2)", "x - k*y + x**2/(norm(x, 1) + y**2)"),
+        ("(y + x*norm(y, 1) + x*abs(y)*e)/(norm(y, 1) + e*abs(y)) + abs(x)", "y/(norm(y, 1) + e*abs(y)) + abs(x) + x"),
+        ("(3*x*norm(y, 1) + x)/(norm(y, 1) + 1)", "3*x - 2*x/(norm(y, 1) + 1)"),
+    ],
+)
+def test_a_quotient_is_parted_where_no_word_is_left_above_it(text: str, apart: str) -> None:
+    domain = over(law(text))
+    assert normal(parse(text), domain) == normal(parse(apart), domain)
+    assert normal(parse(text), domain) != normal(parse(f"{apart} + x/9"), domain)
 
 
 def _changed(texts: Sequence[str], rng: Random) -> int:

@@ -30,6 +30,7 @@ C = f"(3*sqrt(3)/2*{J3}/{J2}**(3/2))"
 LODE = f"sqrt({J2})*cos(pi/6 - acos(9/10*{C})/3 + 0*(1)) - 1"
 BENT = f"sqrt({J2})*(1 + cos((1/3)*acos({C}))) - 1"
 OF_THREE = P.replace("t1", "a").replace("t2", "b")
+MIXED = f"-(a + b + c)/3 + sqrt({J2}) + max(a, b, c)"
 FAN = "where(t2 + 0*(1) >= 0, norm(t1, t2), sqrt(t1**2 + t2**2)) - 2"
 DISC = "t1**2 + t2**2 - 1"
 
@@ -284,6 +285,9 @@ def test_a_choice_of_constants_is_proved_on_either_side() -> None:
         (f"({J2}*abs(a)/a + {J3})/{J2}", False), (f"({J2}*a - {J2})/{J2}", False), (f"({J2}*log({J2}) + {J3})/{J2}", False),
         (f"({J2}*m + {J3})/({J2}*e) - 1", False), (f"({J2} + {J3})/{J2} + b/b", False), (f"({J2} + a**3)/{J2}", False),
         (f"{J3}/{J2} + (a/{J2} - a/{J2})*log({J2})", False), (f"sqrt({J2})*acos({C}*a)/a - 1", False),
+        (f"{MIXED} - 1", True), (f"({J2} + a + {MIXED}*(a + b - m))/({MIXED})", False), (f"({J2} + ({MIXED})*(a + b - m))/({MIXED})", True),
+        (f"({MIXED}*(a + b - m))/({MIXED}) + {J2}", False), (f"(max(a, b, c) - (a + b + c)/3 + ({MIXED})*(a - m))/({MIXED})", False),
+        (f"({J2} + ({MIXED})*(a + b - m))/({MIXED}) + 0*log({J2})", False),
     ]),
 )  # fmt: skip
 def test_where_j2_is_zero_a_formula_has_a_limit_or_none(g: str, there: bool) -> None:
@@ -295,6 +299,9 @@ def test_where_j2_is_zero_a_formula_has_a_limit_or_none(g: str, there: bool) -> 
     [
         ("norm(a, b)", True), ("norm(e*a, e*b)", False), ("norm(m*a, e*b)", True), ("a**2 + b**2", True), ("e*a", False), ("abs(a)", True),
         ("e*a + 1", True), ("norm(abs(a), e*b)", True), ("a - a", False), ("q*a**2 + e*b**2", False),
+        ("(pos(a)/m + neg(a)/2)**2 + b**2", True), ("((pos(a)/m + neg(a)/2)**2 + b**2)**(1/2)", True), ("pos(a)**2 + (e*b)**2", False),
+        ("pos(a)", False), ("pos(a) + neg(b)", False), ("pos(a) - a", False), ("(pos(a)**2 + b**2)**e", False), ("pos(a)**m", False),
+        ("abs(a)**m + pos(b)", True), ("pos(a)*b", False),
     ],
 )  # fmt: skip
 def test_a_tip_is_zero_on_no_open_set_for_any_value_of_the_parameters(tip: str, thin: bool) -> None:

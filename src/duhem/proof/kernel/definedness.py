@@ -15,7 +15,7 @@ rho = sqrt(J2), f bounded: it tends to 0 there.  Then g, with 0 for these functi
 extends to, continuously.  Nothing else that divides 0 by 0 is given a value.  K is the set where g, so extended, is <= 0.  The same is
 read of g with what is divided by the same added up over it, N/P for the terms of N each over P: that is g wherever g has a value.  For
 N = q P + R, R not 0, it is q + R/P there: where g has a value wherever the tip is not 0, it has the limits of that at the tip.  A quotient
-with N = 0 or R = 0 is left as it was.
+with N = 0 or R = 0 is left as it was.  The normal form of all of g is read so too where no part is gone that may have no limit.
 
 So it is of zero force where g has a value everywhere else and parts G_k of degree k >= 0 in the forces, G_0 a constant: as G_k is r^k
 times what is bounded, being continuous, g tends to G_0 there.  At zero force alone a gauge A <= B of :mod:`plane_gauge` may have no
@@ -41,8 +41,8 @@ from duhem.proof.kernel.polynomial import divided, number_in, written
 from duhem.proof.kernel.term import COMPARISONS, NotWritten, Term, minus, number, product_of, sum_of
 
 __all__ = [
-    "AGAINST", "Reader", "asks", "continued", "divides_by_zero_force", "has_value", "in_quotients", "rarely_zero", "sign_on_axis",
-    "undecided_beside",
+    "AGAINST", "Reader", "asks", "continued", "divides_by_zero_force", "has_value", "in_quotients", "put_over_divisors", "rarely_zero",
+    "sign_on_axis", "undecided_beside",
 ]  # fmt: skip
 
 AGAINST = {"<": ">=", "<=": ">", ">": "<=", ">=": "<"}  # what holds where a comparison does not
@@ -125,10 +125,8 @@ class Reader(NamedTuple):
         for collects in () if known in _SETTLED or self.domain.constant(term) else (False, True):
             with suppress(NotWritten):
                 form = normal(term, self.domain, collects)
-                if known & NEGATIVE and known & POSITIVE:
-                    known &= self.domain.sign(form)
-                if known not in _SETTLED:
-                    known &= self.more(form)
+                for told in (self.domain.sign, self.more):
+                    known = known if known in _SETTLED else known & told(form)
         return known
 
     def _under(self, condition: Term, holds: bool, term: Term) -> Term | None:
@@ -187,6 +185,20 @@ def continued(term: Term, domain: StatedDomain, form: Term | None = None) -> Ite
             settled = all(beside.undecided(x) is None for x in (term, form)) and Reader(domain).undecided(there) is None
             if settled and rarely_zero(tip, domain):
                 yield there
+
+
+def put_over_divisors(term: Term, domain: StatedDomain) -> Term:
+    """The normal form, with q + R/P for (q P + R)/P; NotWritten where something is gone that may have no limit, as 1/P is for R = 0."""
+    form = normal(term, domain)
+    if any(not _without_limit(normal(x, domain), domain) <= _without_limit(form, domain) for x in _without_limit(term, domain)):
+        raise NotWritten("what has no limit is multiplied by 0")
+    return form
+
+
+def _without_limit(term: Term, domain: StatedDomain) -> set[Term]:
+    """The parts that forces enter and that may have no limit where they have no value; a root has one."""
+    parts = (x for x in term.parts() if x.op in _PARTIAL and not domain.constant(x))
+    return {x for x in parts if x.op != "**" or domain.facts(x.args[1]).sign != POSITIVE}
 
 
 def in_quotients(term: Term, domain: StatedDomain, divided_out: bool = False) -> Term:
@@ -273,10 +285,12 @@ def divides_by_zero_force(g: Term, domain: StatedDomain) -> bool:
 
 
 def rarely_zero(tip: Term, domain: StatedDomain) -> bool:
-    """Whether it is 0 on no open set: a polynomial in the forces with a coefficient that is never 0, or |.| or a norm of such a part."""
-    if tip.op in ("abs", "norm"):
-        return any(rarely_zero(part, domain) for part in tip.args)
+    """Whether it is 0 on no open set: a polynomial in the forces with a coefficient that is never 0; |.|, a norm, or a power > 0, of such a
+    part, or a sum of parts >= 0 with one.
+    """
     parts = by_forces(domain.polynomial(tip), domain)
-    if any(x.op != "name" for moving in parts for x, _ in moving):
-        return False
-    return any(not domain.facts(written(c)).sign & ZERO for c in parts.values())
+    if all(x.op == "name" for moving in parts for x, _ in moving):
+        return any(not domain.facts(written(c)).sign & ZERO for c in parts.values())
+    powers = tip.op == "**" and domain.facts(tip.args[1]).sign == POSITIVE
+    parted = tip.op in ("abs", "norm") or (tip.op == "+" and all(domain.facts(a).nonnegative for a in tip.args))
+    return any(rarely_zero(a, domain) for a in (tip.args[:1] if powers else tip.args if parted else ()))

@@ -392,13 +392,11 @@ class DeviatoricReader(PlaneVariable):
         if self._is_polynomial(term):
             return self.of_polynomial(self.within.polynomial(term))
         match term.op:
-            case "+":
-                return self.added([self.read(a) for a in term.args])
-            case "*":
-                parts = factors(term)
+            case "+" | "*":
+                parts = factors(term) if term.op == "*" else term.args
                 smooth = [f for f in parts if self._is_polynomial(f)]
-                parts = [*(f for f in parts if f not in smooth), *([product_of(*smooth)] if smooth else [])]
-                return multiplied(map(self.read, parts))
+                parts = [*(f for f in parts if f not in smooth), *([Term(term.op, tuple(smooth))] if smooth else [])]
+                return (multiplied if term.op == "*" else self.added)([*map(self.read, parts)])
             case "**":
                 exponent = term.args[1]
                 if not (self.within.constant(exponent) and self.domain.facts(exponent).defined):

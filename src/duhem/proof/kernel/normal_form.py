@@ -520,12 +520,16 @@ class _Form(NamedTuple):
     def _is_word(self, x: Term) -> bool:
         return x.op != "name" and not self.domain.constant(x)
 
+    def _divides(self, x: Term) -> bool:
+        return self._is_word(x) and _unit(x) and x.args[1].value < 0
+
     def _divided_out(self, poly: Polynomial) -> Polynomial:
         """With q for (q P)/P, among the terms that have the same words beside the forces, and the same degree in these if P has one."""
         for x in sorted({x for m in poly for x, n in m if n > 0 and x.op == "**" and x.args[1] == number(-1)}):
             if not (by := self._poly(x.args[0])):
                 continue
             alike = len({sum(n for _, n in self._in_forces(m)) for m in by}) == 1
+            poly = self._without_a_word(poly, x, by)
             parts, groups = list[Polynomial](), dict[object, Polynomial]()
             for m, c in poly.items():
                 words = tuple((y, n) for y, n in m if self._is_word(y))
@@ -535,6 +539,18 @@ class _Form(NamedTuple):
                     part = q
                 parts += self._apart(part, x, by) if any(x in dict(m) for m in part) else [part]
             poly = total(*parts)
+        return poly
+
+    def _without_a_word(self, poly: Polynomial, x: Term, by: Polynomial) -> Polynomial:
+        """q + R/P for N/P, where P is a w + b, N is q a w + c, and no word w is left in R = c - q b."""
+        rest, numerator = ({m: c for m, c in poly.items() if (x in dict(m)) is over} for over in (False, True))
+        numerator = divided(numerator, ((x, 1),))
+        for w in sorted({y for m in by for y, n in m if n == 1 and self._is_word(y)}):
+            if any(dict(m).get(w, 0) not in (0, 1) for m in (*by, *numerator)):
+                continue
+            (b, a), (c, *found) = in_powers(by, w), in_powers(numerator, w)
+            if found and (q := quotient(found[0], a)):
+                return total(rest, q, times(total(c, negated(times(q, b))), {((x, 1),): Fraction(1)}))
         return poly
 
     def _apart(self, poly: Polynomial, x: Term, by: Polynomial) -> list[Polynomial]:
@@ -550,7 +566,7 @@ class _Form(NamedTuple):
         return [linear, times(total(numerator, negated(times(linear, by))), {((x, 1),): Fraction(1)})]
 
     def _presented(self, poly: Polynomial) -> Term:
-        """A polynomial as a sum, each product of forces and words once, with what it is multiplied by; a square as one."""
+        """A polynomial as a sum, each product of forces and words once, with what it is multiplied by; a square as one, and N/P as one."""
         if (value := number_in(poly)) is not None:
             return number(value)
         poly = dict(sorted(poly.items()))
@@ -563,7 +579,10 @@ class _Form(NamedTuple):
             if 1 < len(twice) < len(poly) and (square := self._square(twice)) is not None:
                 rest = self._presented(total(poly, negated(twice)))
                 return sum_of(scaled(plainly(square[0]), ((square[1], 2),)), rest)
+        fractions = {under: own for under, own in grouped(poly, self._divides).items() if under and len(own) > 1}
+        poly = total(poly, *(negated(times(own, {under: Fraction(1)})) for under, own in fractions.items()))
         poly, parts = self._with_ramps(poly)
+        parts += [scaled(self._presented(own), under) for under, own in fractions.items()]
         groups: dict[tuple[Monomial, int], Polynomial] = {}
         for moving, own in by_forces(poly, self.domain).items():
             words = tuple((x, n) for x, n in moving if x.op != "name")

@@ -9,10 +9,11 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from contextlib import suppress
 from fractions import Fraction
+from functools import partial
 
 from duhem.proof.kernel.curvature import over, within_ranges
 from duhem.proof.kernel.curve import Stated
-from duhem.proof.kernel.definedness import Reader, asks, continued, in_quotients, undecided_beside
+from duhem.proof.kernel.definedness import Reader, asks, continued, in_quotients, put_over_divisors, undecided_beside
 from duhem.proof.kernel.domain import ANY, NEGATIVE, POSITIVE, StatedDomain
 from duhem.proof.kernel.homogeneity import by_degree
 from duhem.proof.kernel.pieces import chooses
@@ -95,9 +96,11 @@ def limits(law: StatedLaw) -> tuple[Term, ...]:
     with suppress(NotWritten, ValueError):
         if found := tuple(_at_zero_force(law)):
             return found
-    with suppress(NotWritten):
-        form = in_quotients(law.g, over(law), divided_out=True)
-        return tuple(continued(law.g, over(law._replace(g=form)), form))
+    for spelled in (partial(in_quotients, divided_out=True), put_over_divisors):
+        with suppress(NotWritten):
+            form = spelled(law.g, over(law))
+            if found := tuple(continued(law.g, over(law._replace(g=form)), form)):
+                return found
     return ()
 
 

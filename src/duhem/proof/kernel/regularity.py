@@ -20,6 +20,7 @@ from dataclasses import dataclass
 from duhem.proof.kernel.definedness import sign_on_axis
 from duhem.proof.kernel.domain import ANY, NEGATIVE, POSITIVE, ZERO, Sign, StatedDomain
 from duhem.proof.kernel.identity import multiplied_through
+from duhem.proof.kernel.normal_form import normal
 from duhem.proof.kernel.polynomial import Polynomial, written
 from duhem.proof.kernel.semidefinite import zero_with
 from duhem.proof.kernel.spectrum import freed_of_eigenvalues, freed_of_roots
@@ -69,9 +70,12 @@ def smooth_but_where_zero(term: Term, domain: StatedDomain) -> bool:
 
 
 def tips(term: Term, domain: StatedDomain) -> frozenset[Term]:
-    """What is 0 where a term may be singular; nothing where more than that is open."""
-    found = regularity(term, domain)
-    return frozenset() if found is None or found.kinks else found.tips
+    """What is 0 where a term, which has a value everywhere, may be singular; nothing where more than that is open."""
+    for spelled in (lambda x, _: x, normal):
+        with suppress(NotWritten):
+            if (found := regularity(spelled(term, domain), domain)) is not None and not found.kinks:
+                return found.tips
+    return frozenset()
 
 
 def _signs_at(tip: Term, term: Term, domain: StatedDomain) -> tuple[Sign, Sign]:
