@@ -183,7 +183,8 @@ def test_zero_force_is_where_the_sections_are_0(load: str, inside: bool) -> None
         (f"{ARGYRIS} + abs(a - b)", False),  # a kink beside the section
         ("abs(sqrt(J2)/2 + J3/J2) + sqrt(J2) - 1", False),  # a kink of the section
         (OTTOSEN.replace("A*J2 + L*", "").replace("G", "1").replace("+ B*I1", ""), False),  # corners: it is Rankine's
-        (f"sqrt(J2)*(1 - {C3})**(1/2) - 1", False),  # the root of 0
+        (f"sqrt(J2)*(1 - {C3})**(1/2) - 1", True),  # where the root is of 0, g is -1
+        (f"sqrt(J2)*(1 - {C3})**(1/2) + sqrt(J2) - 1", False),  # it is of 0 on the boundary, too
     ],
 )
 def test_a_section_is_smooth_but_on_the_axis(g: str, smooth: bool) -> None:

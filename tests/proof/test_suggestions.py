@@ -258,16 +258,6 @@ def test_no_line_of_forces_far_from_k_is_added_to_it(forces: tuple[str, ...], pa
     assert keeps_k(subject, f"where({divisor} > 0, {part}/{divisor}, 0) + {size} - 1")
 
 
-@pytest.mark.parametrize(("al", "proved"), [("1", True), ("4/5", False)])
-def test_what_is_multiplied_by_0_needs_no_value_at_a_tip(al: str, proved: bool) -> None:
-    """The shape of the deviatoric section is a circle at al = 1, where cos(3 theta) is multiplied by 0."""
-    shape = "(2*al**4/(1 + al**4 + (1 - al**4)*cos3theta(s)))**(1/2)"
-    own = {"al": Domain.between("3/5", 1), "c": POSITIVE}
-    clay = law(f"3*J2(s) - {shape}*I1(s)*(c - I1(s))", own, (), stress=Stress("s", "principal"))
-    found = verify(clay, parameters={"al": al}, claims=["smoothness"], effort="quick")["smoothness"]
-    assert (found.verdict is Verdict.PROVED) is proved
-
-
 def test_of_several_parts_without_a_value_at_zero_force_each_is_given_one() -> None:
     steel = law(
         "q - k*(1 - c*(I1(s)/(3*q) - 1/3))*(1 - d*cos(lode(s)))".replace("q", "sqrt(3*J2(s))"),
@@ -315,3 +305,18 @@ def test_ranges_near_k_lie_in_those_of_the_law_and_are_plain(size: str, pressure
         assert all(own[name].covers(Domain.between(*ends)) for name, ends in sides.items() if name in own)
         replace(wave, domain={name: Domain.between(*ends) for name, ends in sides.items()})
         StatedLaw.read(law_as_text(wave) | {"domain": box})
+
+
+def test_forces_of_one_sign_are_told_before_ranges_with_values() -> None:
+    """Both forces of a damage law are energies, which are >= 0; the root has a value where both are."""
+    damage = law("sqrt(a + b*c) - k", {"b": Domain.between("1/2", 4), "k": POSITIVE}, "ac")
+    (told,) = opened(damage, "smoothness").actions
+    assert told.startswith("ask for a >= 0 and c >= 0 alone: a = { min = 0 } and c = { min = 0 } in the section [domain]")
+    both = {x: AT_LEAST_0 for x in "ac"}
+    assert verify(replace(damage, domain=both), claims=["smoothness"])["smoothness"].verdict is Verdict.PROVED
+
+
+def test_no_power_of_a_number_that_is_not_positive_is_told_as_a_constraint() -> None:
+    """The criterion file that has it cannot be read."""
+    rock = law("norm(f, m/(c*n**k)) - n", {"c": POSITIVE, "k": Domain.between("1/10", 1)}, "nfm", domain={"n": AT_LEAST_0})
+    assert not any("0**" in told for told in opened(rock, "origin").actions)

@@ -107,6 +107,9 @@ def that_help(
     asked.steps = _A_KIND
     if found := found or [*islice(beside, 1)]:
         return found
+    asked.steps = _A_KIND
+    if (best := next((each for each in _one_sided(law) if asked(each[1])), None)) is not None:
+        return [asked.keep(*best)]
     boxed, fixed = _boxed(law, known[:_MOST_BOXED] or ({},), ranges, asked)  # before what takes most steps
     return boxed if boxed and not fixed else _settling(law, forms(), part, known, choices, asked) or boxed
 
@@ -133,10 +136,10 @@ class _Asked:
             self.tried.steps -= budget.spent + _READING
         return self.tried.verdicts[key]
 
-    def __call__(self, law: Text, claim: str = "", rules: Sequence[str] = ()) -> bool:
+    def __call__(self, law: Text, claim: str = "", rules: Sequence[str] = (), most: int = _A_TRIAL) -> bool:
         """Whether it proves the claim, or another, without evidence, with what that may rest on; of g itself holds what is settled.
 
-        Some ``rules`` are asked before all others, and may cost more.
+        Some ``rules`` are asked before all others; it may cost so many steps at ``most``.
         """
         key, claim = _key(law), claim or self.claim
         if claim == "duality":  # which needs evidence
@@ -147,7 +150,7 @@ class _Asked:
         if claim in known or claim in answers or self.steps < 0 or self.tried.steps <= self.kept:
             return claim in known
         alone = bool(rules) and claim in ("smoothness", "dissipation")  # which rest on nothing else then, and take fewer steps
-        with within(_IN_A_BOX if rules else _A_TRIAL) as purse, suppress(*UNREADABLE, TooDearError):
+        with within(most) as purse, suppress(*UNREADABLE, TooDearError):
             read, needed = stated(law), {claim}
             for name in reversed(() if alone else _BEFORE):
                 needed |= needs_of(name, read) if name in needed else set()
@@ -186,7 +189,9 @@ def _with_least_lost(law: Text, forms: Iterator[tuple[str, Text]], asked: _Asked
 
 def _signs(law: Text, blocked: Blocked, choices: Choices) -> Iterator[tuple[str, Text]]:
     """Constraints that hold somewhere: of a law without parameters that satisfy it every claim would be shown, and nothing be said."""
-    own = sorted((c for c in blocked.signs if c.names()), key=Term.size)
+    own = sorted(
+        (c for c in blocked.signs if c.names() and not any(x.op == "**" and not x.args[0].names() for x in c.parts())), key=Term.size
+    )
     sides = [tuple(own[:n]) for n in range(1, len(own) + 1)] if blocked.strict else [*((c,) for c in own), tuple(own)]
     sides += [(c,) for c in blocked.beside[:_MOST_SIGNS]]
     for constants, strict in product(dict.fromkeys(filter(None, sides)), (True,) if blocked.strict else (False, True)):
@@ -215,6 +220,16 @@ def _ranges(law: Text, blocked: Blocked, _: Choices) -> Iterator[tuple[str, Text
         for end, side in (("min", ">="), ("max", "<=")):
             action = f"ask for {force} {side} 0 alone: {force} = {{ {end} = 0 }} in the section [domain]"
             yield action, {**law, "domain": {**ranges, force: {end: "0"}}}
+
+
+def _one_sided(law: Text) -> Iterator[tuple[str, Text]]:
+    """Yield ranges of one sign for all forces that have none, of a law of few forces."""
+    free = [x for x in law["forces"] if x not in law.get("domain", {})]
+    for ends in product((("min", ">="), ("max", "<=")), repeat=len(free)) if 1 < len(free) <= _MOST_FORCES else ():
+        told = " and ".join(f"{x} {side} 0" for x, (_, side) in zip(free, ends, strict=True))
+        written = " and ".join(f"{x} = {{ {end} = 0 }}" for x, (end, _) in zip(free, ends, strict=True))
+        ranges = {x: {end: "0"} for x, (end, _) in zip(free, ends, strict=True)}
+        yield f"ask for {told} alone: {written} in the section [domain]", {**law, "domain": {**law.get("domain", {}), **ranges}}
 
 
 def _moved(law: Text, part: frozenset[str]) -> Iterator[tuple[str, Text]]:
@@ -254,7 +269,7 @@ def _switched(
             ends = (choice[x], Fraction(1), *(end for end in (own.high, own.low) if end))
             for value in (value for value in dict.fromkeys((*ends, Fraction(0))) if own.holds(value)):
                 changed, there = _changed(law, form, {x: value}), {**choice, x: value}
-                if asked(changed) and _inhabits(there, law) and next(iter(choices([there])), None) == there:
+                if asked(changed, most=_A_TRIAL // _SHARE) and _inhabits(there, law) and next(iter(choices([there])), None) == there:
                     if form and asked.decided(_with(law, {x: value})) is Verdict.PROVED:
                         return [_said("", {x: value}, Verdict.PROVED)]
                     return [asked.keep(" and ".join(filter(None, (form and form.told, settings({x: value})))), changed)]
@@ -288,13 +303,15 @@ def _boxed(law: Text, known: Sequence[Choice], ranges: Callable[[Choice], Iterab
     for values in known if asked.claim in _IN_BOXES else ():
         asked.steps, rules = _A_KIND, _IN_BOXES[asked.claim]
         texts = ({**_with(law, values), "domain": box} for box in reversed([*ranges(values)]))
-        if not (shown := [*takewhile(partial(asked, rules=rules), texts)]):
+        if not (shown := [*takewhile(partial(asked, rules=rules, most=_IN_A_BOX), texts)]):
             continue
         boxed, asked.steps = shown[-1], _A_KIND
         for x in values:
             fewer = {name: value for name, value in values.items() if name != x}
-            if asked(freed := {**_with(law, fewer), "domain": boxed["domain"]}, rules=rules):
+            if asked(freed := {**_with(law, fewer), "domain": boxed["domain"]}, rules=rules, most=_IN_A_BOX):
                 values, boxed = fewer, freed
+        if values and asked.decided(_with(law, values)) is Verdict.PROVED:  # in all ranges
+            return [_said("", values, Verdict.PROVED)], values
         ends = boxed["domain"].items()
         near = " and ".join(f"{x} = {{ min = {_in_a_file(own['min'])}, max = {_in_a_file(own['max'])} }}" for x, own in ends)
         told = f"ask for forces near K alone: {near} in the section [domain]"
