@@ -16,6 +16,7 @@ from duhem import Criterion, Domain, Verdict, verify
 from duhem.law.domain import POSITIVE
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.methods import refuters
+from tests.long import long_at
 from tests.oracles.reevaluation import confirmed
 
 TWO, THREE = ("x", "y"), ("x", "y", "z")
@@ -127,7 +128,7 @@ CAPS: list[tuple[Criterion, Callable[..., bool]]] = [
 ]  # fmt: skip
 
 
-@pytest.mark.parametrize(("one", "possible"), CAPS)
+@pytest.mark.parametrize(("one", "possible"), long_at((2,), CAPS))
 def test_a_corner_of_a_small_cap_or_at_few_parameters_is_shown(one: Criterion, possible: Callable[..., bool]) -> None:
     assert possible(**{name: float(value) for name, value in refuted(one, "smoothness").items()})
 

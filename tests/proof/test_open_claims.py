@@ -186,7 +186,7 @@ IN_A_BOX = [  # K is not convex in the first two, and comes to a tip in the last
 ]  # fmt: skip
 
 
-@pytest.mark.parametrize("criterion", IN_A_BOX)
+@pytest.mark.parametrize("criterion", long_at((2,), IN_A_BOX))
 def test_smoothness_is_shown_in_ranges_and_away_from_a_tip(criterion: Criterion) -> None:
     """What is told is followed, and |g| + |grad g| looked at in floats over the ranges that are told."""
     (told,) = map(unquoted, opened(criterion, "smoothness").actions)

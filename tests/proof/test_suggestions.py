@@ -27,6 +27,7 @@ from duhem.proof.unsettled.limits import keeps_k, same_points, with_values
 from duhem.proof.unsettled.ranges import around_the_boundary
 from duhem.proof.unsettled.term_text import in_text
 from duhem.proof.unsettled.trials import Rewriting
+from tests.long import long_at
 from tests.oracles import drawn_formulas
 from tests.proof.test_open_claims import ANY, AT_LEAST_0, changed, law, opened
 
@@ -73,7 +74,7 @@ def inside_both(criterion: Criterion, g: str, seed: int) -> tuple[set[bool], boo
     return answers, same
 
 
-@pytest.mark.parametrize(("criterion", "claim", "form"), FORMS)
+@pytest.mark.parametrize(("criterion", "claim", "form"), long_at((3,), FORMS))
 def test_another_form_with_the_same_k_is_suggested_and_proves_the_claim(criterion: Criterion, claim: str, form: str) -> None:
     told = next(action for action in opened(criterion, claim).actions if "K stays the same" in action or "K is the same" in action)
     assert told.startswith("write ") and form in told
@@ -154,6 +155,7 @@ def test_another_form_keeps_the_flow_of_the_law_and_joins_its_surfaces() -> None
     assert "surfaces" in faces and "surfaces" not in trials._changed(faces, Rewriting("", "max(a - 1, b - 1)"), {})
 
 
+@pytest.mark.long
 def test_what_a_formula_divides_by_may_depend_on_the_pressure_alone() -> None:
     g = "abs(t) - (abs(n)*(1 - h)*((1 + n/s)**4*tan(i) + tan(f)) + h*c)/(1 - (1 - h)*(1 + n/s)**4*tan(i)*tan(f))"
     joint = Criterion(
@@ -206,7 +208,7 @@ def test_a_factor_that_depends_on_the_lode_angle_is_divided_by(value: str) -> No
 def test_ranges_of_both_forces_are_suggested_in_which_enclosures_show_that_k_is_convex() -> None:
     """For all values of bounded parameters; the ranges hold K: no point of it, as rays from zero force find it, lies outside."""
     wave = law("a**2 + b**2*(1 + e*tanh(a)) + h*sin(a)*b - 1", {"e": Domain.between("-3/10", "3/10"), "h": Domain.between(0, "1/5")})
-    found = verify(wave, claims=["convexity", "dissipation"], effort="quick")
+    found = verify(wave, claims=["convexity"], effort="quick")
     for result in found.results:
         assert result.unsettled is not None
         (told,) = result.unsettled.actions
