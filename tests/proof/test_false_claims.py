@@ -82,6 +82,7 @@ def test_where_k_is_entered_again_less_than_0_is_dissipated(one: Criterion) -> N
     refuted(one, "dissipation")
 
 
+@pytest.mark.long
 def test_a_power_with_a_whole_number_at_the_end_of_its_range_has_another_lobe() -> None:
     footing = law("x**2 + y**2 - (z**b*(1 - z)**c)**2", THREE, start="z", b=("4/5", "1"), c=("4/5", "1"))
     assert refuted(footing, "convexity")["c"] == 1  # for z > 1 no other power has a value

@@ -164,7 +164,7 @@ def changed(criterion: Criterion, action: str) -> Criterion:
     return criterion.fix(settings) if settings else criterion
 
 
-@pytest.mark.parametrize(("criterion", "claim", "part", "why", "action"), long_at((0, 3, 4), TOLD))
+@pytest.mark.parametrize(("criterion", "claim", "part", "why", "action"), long_at((0, 3, 4, 14), TOLD))
 def test_an_open_claim_names_the_part_that_no_rule_reads_and_what_helps(
     criterion: Criterion, claim: str, part: str, why: str, action: str
 ) -> None:
@@ -186,7 +186,7 @@ IN_A_BOX = [  # K is not convex in the first two, and comes to a tip in the last
 ]  # fmt: skip
 
 
-@pytest.mark.parametrize("criterion", long_at((2,), IN_A_BOX))
+@pytest.mark.parametrize("criterion", long_at((1, 2), IN_A_BOX))
 def test_smoothness_is_shown_in_ranges_and_away_from_a_tip(criterion: Criterion) -> None:
     """What is told is followed, and |g| + |grad g| looked at in floats over the ranges that are told."""
     (told,) = map(unquoted, opened(criterion, "smoothness").actions)

@@ -167,6 +167,7 @@ def test_what_a_formula_divides_by_may_depend_on_the_pressure_alone() -> None:
         assert (opened(joint, claim).part or "").startswith("1/(1 - ")
 
 
+@pytest.mark.long
 def test_values_at_which_no_effect_is_gone_are_tried_before_0() -> None:
     ply = law("((a*cos(t)**2 + b*sin(2*t))/x)**2 - (a*cos(t)**2 + b*sin(2*t))*(a*sin(t)**2 - b*sin(2*t))/(x*y) + "
               "((a*sin(t)**2 - b*sin(2*t))/y)**2 + ((b*cos(2*t) - a*sin(t)*cos(t))/s)**2 - 1",
