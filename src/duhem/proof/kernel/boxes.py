@@ -7,8 +7,8 @@ each part in which g may be 0; a part in which they are not shown is divided (R.
 
 Where dg/dsigma_k != 0 the vectors t_i = (dg/dsigma_k) e_i - (dg/dsigma_i) e_k with i != k span all v along the boundary.
 
-The boundary of any K is C^1 where grad g is continuous and not 0, which is asked in the same way, and so is force . slip.  Where g has a
-kink, all means of the slopes on its sides are enclosed in that.
+Wherever g = 0, smoothness asks in the same way that grad g is continuous and not 0, and dissipation that force . slip is >= 0.  At a kink
+the slip may be any mean of the slopes on both sides, so that an interval for each slope holds both.
 
 Parameters and the pressure are further sides of the box, by which nothing is differentiated.
 
@@ -35,7 +35,7 @@ from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.kernel.steps import pay
 from duhem.proof.kernel.term import HALF, NotWritten, Term, number, parse, product_of, sum_of
 
-__all__ = ["TaylorForm", "coefficients", "convex_in_its_box", "dissipates_in_its_box", "smooth_in_its_box"]
+__all__ = ["MOST_FORCES", "TaylorForm", "coefficients", "convex_in_its_box", "dissipates_in_its_box", "smooth_in_its_box"]
 
 # -- a polynomial in a part of a box -----------------------------------------------------------------------------------
 
@@ -126,7 +126,7 @@ _SMOOTH = ("exp", "log", "sin", "cos", "tan", "sinh", "cosh", "tanh", "atan", "a
 _ZERO, _ONE = (Enclosure.between(Fraction(n), Fraction(n)) for n in range(2))
 _SLOPES = {"abs": (_ONE, _ONE.minus()), "pos": (_ONE, _ZERO), "neg": (_ZERO, _ONE.minus())}  # above 0, and below
 _X, _E, _SOFTPLUS = Term("name", name="x"), Term("name", name="exponent of x"), parse("log(1 + exp(x))")
-_MOST_FORCES = 3
+MOST_FORCES = 3  # of a law in a box: with more there would be too many parts
 _Box = Mapping[str, Enclosure]
 _Jet = tuple[Enclosure, ...]  # slopes by all forces, and the second derivatives by each pair of them: by 0 and 0, 0 and 1, ... 1 and 1, ...
 _Found: TypeAlias = "_Derivatives | TaylorForm"
@@ -154,23 +154,26 @@ def dissipates_in_its_box(law: StatedLaw) -> bool:
     """Whether sigma . grad g > 0 wherever g = 0, or force . slip >= 0 for a slip of the law's own."""
     if (law.surfaces and not law.associated) or (whole := _whole(law)) is None:
         return False
-    return _shown_in_all_parts(law, whole, partial(_dissipates, law))
+    return _shown_in_all_parts(law, whole, partial(_dissipates, law), kinked=True)
 
 
 def _whole(law: StatedLaw) -> dict[str, Enclosure] | None:
     """The ranges of all names; None of a law of too many forces, or of rates, NotWritten where a name has no range."""
-    if len(law.forces) > _MOST_FORCES or law.viscous or law.of_rates:
+    if len(law.forces) > MOST_FORCES or law.viscous or law.of_rates:
         return None
     sides = {**law.parameters, **dict(law.ranges)}
     names = {*law.forces}.union(*(x.names() for x in (law.g, *(law.flow or ()), *([law.power] if law.power else ()))))
     return {name: _side(sides.get(name, Bounds(None, None))) for name in sorted(names - {"pi"})}
 
 
-def _shown_in_all_parts(law: StatedLaw, whole: dict[str, Enclosure], shown: Callable[[_Box, _Found], bool]) -> bool:
-    """Whether something is shown in each part of the box, or in both halves of one in which it is not, and so on."""
+def _shown_in_all_parts(law: StatedLaw, whole: dict[str, Enclosure], shown: Callable[[_Box, _Found], bool], kinked: bool = False) -> bool:
+    """Whether something is shown in each part of the box, or in both halves of one in which it is not, and so on.
+
+    It is shown by derivatives of g, which may be ``kinked``, or by a Taylor form where these are asked of a polynomial of two forces alone.
+    """
     of: _Coefficients | None = None
     with suppress(ValueError, ZeroDivisionError, NotWritten):
-        of = coefficients(law.g, law.forces) if len(law.forces) == 2 else None  # where g is a polynomial of the two forces alone
+        of = coefficients(law.g, law.forces) if len(law.forces) == 2 and (law.associated or not kinked) else None
     n, boxes = len(law.forces), [whole]
     price = _PRICE * sum(1 for _ in law.g.parts()) * (n + len(_pairs(n))) // _ENTRIES
     for _ in range(_MOST_BOXES):
@@ -179,7 +182,7 @@ def _shown_in_all_parts(law: StatedLaw, whole: dict[str, Enclosure], shown: Call
         box = boxes.pop()
         pay(price)
         with suppress(ValueError, ZeroDivisionError):
-            if shown(box, _Derivatives(law.forces, box) if of is None else TaylorForm(of, [box[x] for x in law.forces])):
+            if shown(box, _Derivatives(law.forces, box, kinked) if of is None else TaylorForm(of, [box[x] for x in law.forces])):
                 continue
         shares = {x: Fraction(box[x].high - box[x].low, whole[x].high - whole[x].low or 1) for x in whole}
         if (widest := max(shares.values())) * _FINEST < 1:
@@ -240,18 +243,19 @@ def _dissipates(law: StatedLaw, box: _Box, found: _Found) -> bool:
     """Whether g keeps a sign in a part of the box, or the power is >= 0, and > 0 if the law is associated: then grad g is not 0."""
     if found.value(law.g).sign in (NEGATIVE, POSITIVE):
         return True
-    own = _Derivatives(law.forces, box, kinked=True)
+    if law.associated:
+        return _along(law, box, found.of(law.g)) == POSITIVE
+    assert isinstance(found, _Derivatives)
     if law.power is not None:
         for choice in (x for x in law.power.parts() if x.op == "where"):
-            own.chosen(choice)
-        return not own.value(law.power).sign & NEGATIVE
-    slip: Iterable[Enclosure] = map(own.value, law.flow or ())
-    if law.potential is not None:
-        slip = own.of(law.potential)
-    elif law.flow is None:  # the slopes by all forces stand first
-        slip = (found if isinstance(found, TaylorForm) else own).of(law.g)
-    sign = reduce(_plus, (_times(box[x], d) for x, d in zip(law.forces, slip, strict=False))).sign
-    return sign == POSITIVE if law.associated else not sign & NEGATIVE
+            found.chosen(choice)
+        return not found.value(law.power).sign & NEGATIVE
+    return not _along(law, box, map(found.value, law.flow or ()) if law.potential is None else found.of(law.potential)) & NEGATIVE
+
+
+def _along(law: StatedLaw, box: _Box, slip: Iterable[Enclosure]) -> Sign:
+    """The signs of force . slip, which stands first in a jet."""
+    return reduce(_plus, (_times(box[x], d) for x, d in zip(law.forces, slip, strict=False))).sign
 
 
 @cache

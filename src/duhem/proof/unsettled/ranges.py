@@ -14,26 +14,29 @@ import numpy as np
 from numpy.typing import NDArray
 
 from duhem.expression.numpy_ import Program, compiled
+from duhem.expression.rays import Rays
 from duhem.law.domain import REAL, Domain
 from duhem.law.formula_law import Criterion
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.facts.subject import Values
+from duhem.proof.kernel.boxes import MOST_FORCES
 
 __all__ = ["Ranges", "around_the_boundary", "others_at", "places_in_ranges"]
 
 Ranges = dict[str, dict[str, str]]  # the ends of each force and of the pressure, as a criterion file has them
-_MOST_FORCES = 3  # that the kernel's boxes have
-_CHOICES, _MANY, _PAIRS, _HALVINGS = 3, 4000, 600, 60  # of parameters; places; of one inside and one outside; of the way between them
-_MOST, _WIDER, _AWAY, _SAME_SIZE = (0.02, 0.98), 0.2, 0.1, 3.0  # of the points; ranges beyond them, and away from 0; sizes that count
-_PATCHES = (0.5, 0.2)  # around one point of the boundary, as shares of its components
-_BESIDE = 0.1  # the pressure at which the boundary is found, as a share
-_SIZES = ((-3, 3), (-9, 9))  # powers of ten of places, the first in which K has a boundary
+_CHOICES, _MANY, _PAIRS = 3, 4000, 600  # of parameters; places drawn; pairs of a place inside and one outside
+_MOST = (0.02, 0.98)  # the quantiles between which most points of the boundary lie
+_SAME_SIZE = 3.0  # points count that are at most so many times as large, or as small, as the middle one
+_WIDER, _AWAY = 0.2, 0.1  # how far ranges go beyond these points, and how far they keep away from 0, as shares
+_PATCHES = (0.5, 0.2)  # ranges around one point of the boundary, as shares of its forces
+_BESIDE = 0.1  # ranges of the pressure around that at which the boundary is found, as a share of it
+_SIZES = ((-3, 3), (-9, 9))  # powers of ten between which the sizes of places are drawn; the second where the first find no boundary
 
 
 def around_the_boundary(subject: FormulaSubject) -> Iterator[Ranges]:
     """Ranges that hold most of the boundary; those that keep away from 0; some around one point, where no two forces are equal, or 0."""
     law = subject.law
-    points = _boundary(subject) if len(law.forces) <= _MOST_FORCES else np.zeros((0, 0))
+    points = _boundary(subject) if len(law.forces) <= MOST_FORCES else np.zeros((0, 0))
     if not len(points):
         return
     sizes = np.linalg.norm(points, axis=1)
@@ -48,13 +51,11 @@ def around_the_boundary(subject: FormulaSubject) -> Iterator[Ranges]:
     apart = np.abs(near[:, :, None] - near[:, None]) + np.abs(near)[:, :, None] * np.eye(near.shape[1])  # of principal stresses, too
     centre = near[np.argmax(apart.min(axis=(1, 2)) / np.linalg.norm(near, axis=1))]
     ends += [np.clip((centre - share * np.abs(centre), centre + share * np.abs(centre)), *own) for share in _PATCHES]
-    names, beside = law.forces, [np.zeros(0)] * 2
-    if law.pressure:
-        value = others_at(subject, next(iter(subject.choices(1))))[0]
-        names, beside = (*law.forces, law.pressure), [np.array([value * (1 + share)]) for share in (_BESIDE, -_BESIDE)]
+    pressure = others_at(subject, next(iter(subject.choices(1))))[0] if law.pressure else 0.0
     for low, high in ends:
-        sides = zip(names, *(np.concatenate(both) for both in zip((low, high), beside, strict=True)), strict=True)
-        found = {name: _entry(law.domain.get(name, REAL), *side) for name, *side in sides}
+        sides = {name: (a, b) for name, a, b in zip(law.forces, low, high, strict=True)}
+        sides |= {law.pressure: (pressure * (1 + _BESIDE), pressure * (1 - _BESIDE))} if law.pressure else {}
+        found = {name: _entry(law.domain.get(name, REAL), *side) for name, side in sides.items()}
         if all(Fraction(side["min"]) < Fraction(side["max"]) for side in found.values()):
             yield found
 
@@ -73,14 +74,13 @@ def _boundary(subject: FormulaSubject) -> NDArray[np.float64]:
     """Points of the boundary, of all sizes, between places inside and outside."""
     law, rng = subject.law, np.random.default_rng(3)
     run, chosen = compiled(law.g, law.symbols().values()), [*islice(subject.choices(_CHOICES), _CHOICES)]
-    found = np.zeros((0, len(law.forces)))
     for sizes in _SIZES:
         drawn = places_in_ranges(law, sizes)
         drawn = drawn[np.argsort(np.linalg.norm(drawn, axis=1))]
-        found = np.concatenate([found, *(_between(run, drawn, others_at(subject, parameters), rng) for parameters in chosen)])
-        if len(found):
-            break
-    return found
+        found = [_between(run, drawn, others_at(subject, parameters), rng) for parameters in chosen]
+        if any(map(len, found)):
+            return np.concatenate(found)
+    return drawn[:0]
 
 
 @np.errstate(invalid="ignore")  # of ranges without an end
@@ -99,7 +99,7 @@ def _between(run: Program, places: NDArray[np.float64], others: list[float], rng
     """Where the boundary is crossed on the way from places inside to those outside, of about the same size."""
 
     def value(x: NDArray[np.float64]) -> NDArray[np.float64]:
-        return np.broadcast_to(run(*x.T, *others), len(x))
+        return np.broadcast_to(run(*np.moveaxis(x, -1, 0), *others), x.shape[:-1])
 
     here = value(places)
     inside, outside = places[here <= 0], places[here > 0]
@@ -107,11 +107,9 @@ def _between(run: Program, places: NDArray[np.float64], others: list[float], rng
         return places[:0]
     share = rng.random(_PAIRS)
     one, two = (side[(share * len(side)).astype(int)] for side in (inside, outside))
-    for _ in range(_HALVINGS):
-        middle = 0.5 * (one + two)
-        held = (value(middle) <= 0)[:, None]
-        one, two = np.where(held, middle, one), np.where(held, two, middle)
-    return two[np.isfinite(value(two))]
+    ways = Rays(value, one, two - one)
+    end = ways.at(ways.narrowed(np.zeros(_PAIRS), np.ones(_PAIRS))[1])
+    return end[np.isfinite(value(end))]
 
 
 def others_at(subject: FormulaSubject, parameters: Values) -> list[float]:

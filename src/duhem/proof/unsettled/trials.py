@@ -43,6 +43,7 @@ _LONGEST = 120  # letters of a constraint
 _CURVES = ("curvature-in-a-box",)
 _IN_BOXES = {"convexity": _CURVES, "normality": _CURVES, "smoothness": ("slope-in-a-box",), "dissipation": ("power-in-a-box",)}
 _MOST_FORCES = 3  # of a law that may be meant for one sign of a force
+_SIDES = {"min": ">=", "max": "<="}  # what a range that ends at 0 says of a force
 _MOST_FORMS, _MOST_SIGNS = 2, 8  # beside g itself; of constants whose sign is asked
 
 
@@ -107,7 +108,7 @@ def that_help(
     asked.steps = _A_KIND
     if found := found or [*islice(beside, 1)]:
         return found
-    asked.steps = _A_KIND
+    asked.steps = _A_KIND  # for each kind anew
     if (best := next((each for each in _one_sided(law) if asked(each[1])), None)) is not None:
         return [asked.keep(*best)]
     boxed, fixed = _boxed(law, known[:_MOST_BOXED] or ({},), ranges, asked)  # before what takes most steps
@@ -216,20 +217,23 @@ def _ranges(law: Text, blocked: Blocked, _: Choices) -> Iterator[tuple[str, Text
         return
     if part.op in ("**", "log") and not over(read).facts(part.args[0]).sign & NEGATIVE:
         return
-    for force in sorted(part.names() & {*read.forces} - {*ranges}):
-        for end, side in (("min", ">="), ("max", "<=")):
-            action = f"ask for {force} {side} 0 alone: {force} = {{ {end} = 0 }} in the section [domain]"
-            yield action, {**law, "domain": {**ranges, force: {end: "0"}}}
+    for force, end in product(sorted(part.names() & {*read.forces} - {*ranges}), _SIDES):
+        yield _of_one_sign(law, {force: end})
 
 
 def _one_sided(law: Text) -> Iterator[tuple[str, Text]]:
     """Yield ranges of one sign for all forces that have none, of a law of few forces."""
     free = [x for x in law["forces"] if x not in law.get("domain", {})]
-    for ends in product((("min", ">="), ("max", "<=")), repeat=len(free)) if 1 < len(free) <= _MOST_FORCES else ():
-        told = " and ".join(f"{x} {side} 0" for x, (_, side) in zip(free, ends, strict=True))
-        written = " and ".join(f"{x} = {{ {end} = 0 }}" for x, (end, _) in zip(free, ends, strict=True))
-        ranges = {x: {end: "0"} for x, (end, _) in zip(free, ends, strict=True)}
-        yield f"ask for {told} alone: {written} in the section [domain]", {**law, "domain": {**law.get("domain", {}), **ranges}}
+    for ends in product(_SIDES, repeat=len(free)) if 1 < len(free) <= _MOST_FORCES else ():
+        yield _of_one_sign(law, dict(zip(free, ends, strict=True)))
+
+
+def _of_one_sign(law: Text, ends: Mapping[str, str]) -> tuple[str, Text]:
+    """The law for forces of one sign alone, whose ranges have these ends at 0, and what to do."""
+    told = " and ".join(f"{x} {_SIDES[end]} 0" for x, end in ends.items())
+    written = " and ".join(f"{x} = {{ {end} = 0 }}" for x, end in ends.items())
+    ranges = {**law.get("domain", {}), **{x: {end: "0"} for x, end in ends.items()}}
+    return f"ask for {told} alone: {written} in the section [domain]", {**law, "domain": ranges}
 
 
 def _moved(law: Text, part: frozenset[str]) -> Iterator[tuple[str, Text]]:
