@@ -35,9 +35,9 @@ from typing import NamedTuple
 from duhem.proof.kernel.deviatoric import deviatoric_readers
 from duhem.proof.kernel.domain import ANY, NEGATIVE, POSITIVE, ZERO, Sign, StatedDomain, gap
 from duhem.proof.kernel.forms import by_forces, place_of
-from duhem.proof.kernel.normal_form import added, normal, scaled
+from duhem.proof.kernel.normal_form import normal
 from duhem.proof.kernel.pieces import below
-from duhem.proof.kernel.polynomial import divided, number_in, written
+from duhem.proof.kernel.polynomial import added, divided, number_in, scaled, written
 from duhem.proof.kernel.term import COMPARISONS, NotWritten, Term, minus, number, product_of, sum_of
 
 __all__ = [

@@ -1,4 +1,4 @@
-"""The coefficients of affine and quadratic formulas; loads, which are affine: multiples of one another, and signs where some are >= 0."""
+"""The coefficients of affine and quadratic formulas, sums of squares, and loads: multiples of one another, and where they are >= 0."""
 
 from __future__ import annotations
 
@@ -8,17 +8,32 @@ from itertools import combinations
 
 from duhem.proof.kernel.bounds import Facts
 from duhem.proof.kernel.domain import ANY, NEGATIVE, POSITIVE, ZERO, Sign, StatedDomain
-from duhem.proof.kernel.polynomial import ONE, Monomial, Polynomial, divided, grouped, negated, quotient, times, total, written
+from duhem.proof.kernel.polynomial import (
+    ONE,
+    Monomial,
+    Polynomial,
+    divided,
+    grouped,
+    in_powers,
+    negated,
+    plainly,
+    quotient,
+    scaled,
+    times,
+    total,
+    written,
+)
 from duhem.proof.kernel.stated_law import as_object
 from duhem.proof.kernel.term import NotWritten, Term, factors, number, parse, product_of
 
 __all__ = [
     "Matrix", "Row", "affine", "apart", "at", "at_end_of", "by_forces", "degree_at_most", "determinant", "inverse", "leading_minors",
-    "multiple", "of_load", "place_of", "principal_minors", "quadratic", "share_and_rest", "sign_within",
+    "multiple", "of_load", "place_of", "principal_minors", "quadratic", "share_and_rest", "sign_within", "sum_of_squares",
 ]  # fmt: skip
 
 Row = Sequence[Term]
 Matrix = Sequence[Row]
+_UNIT = Term("name", name="the unit")  # no name of a law has blanks
 
 
 def at(term: Term, names: Sequence[str], values: Sequence[Term]) -> Term:
@@ -229,3 +244,66 @@ def _zero(load: Polynomial, domain: StatedDomain) -> dict[Term, Term]:
         raise NotWritten("what is >= 0 is no load, or has no force with a coefficient that is not 0")
     place = negated(times(pivot[1], by_forces(load, domain).get((), {})))
     return {**{Term("name", name=f): number(0) for f in domain.law.forces}, pivot[0][0][0]: written(place)}
+
+
+# -- sums of squares ------------------------------------------------------------------------------------------------------
+
+
+def sum_of_squares(poly: Polynomial, domain: StatedDomain) -> list[tuple[Term, Polynomial]] | None:
+    """Products of constants >= 0, each with a polynomial times whose square it is, added up; None where none are found.
+
+    By Lagrange's reduction (1759): a x^2 + b x + c is a (x + b/(2 a))^2 + c - b^2/(4 a), and x is gone from the rest.
+    """
+    return _by_products(poly, domain) or _by_one_force_after_another(poly, domain)
+
+
+def _by_one_force_after_another(poly: Polynomial, domain: StatedDomain) -> list[tuple[Term, Polynomial]] | None:
+    """Where one product of constants stands with the square of each force, and divides what stands with twice that force."""
+    found, left = list[tuple[Term, Polynomial]](), poly
+    for x in sorted({x for m in poly for x, _ in m if not domain.constant(x)}):
+        if not any(x in dict(m) for m in left):
+            continue
+        if x.op != "name" or any(dict(m).get(x, 0) < 0 for m in left) or len(powers := in_powers(left, x)) != 3 or len(powers[2]) != 1:
+            return None
+        scale, whole = plainly(powers[2]), _completed(x, powers)
+        if not domain.constant(scale) or domain.facts(scale).sign & NEGATIVE:
+            return None
+        if any(n < 0 and domain.of(y) & ZERO for m in whole for y, n in m):
+            return None
+        found.append((scale, whole))
+        left = total(left, negated(times(powers[2], times(whole, whole))))
+    return None if left else found
+
+
+def _by_products(poly: Polynomial, domain: StatedDomain) -> list[tuple[Term, Polynomial]] | None:
+    """For each product of constants, of what it multiplies: a form of second degree with numbers as coefficients.
+
+    Its variables are the forces, the constants that stand once beside a force, and 1.
+    """
+    beside = {x for m in poly if sum(n for y, n in m if not domain.constant(y)) == 1 for x, n in m if domain.constant(x) and n == 1}
+    groups: dict[Monomial, Polynomial] = {}
+    for m, a in sorted(poly.items()):
+        own = tuple((x, n) for x, n in m if x in beside or not domain.constant(x))
+        if any(n < 0 for _, n in own) or (degree := sum(n for _, n in own)) > 2:
+            return None
+        own = tuple(sorted([*own, (_UNIT, 2 - degree)])) if degree < 2 else own
+        groups.setdefault(tuple((x, n) for x, n in m if (x, n) not in own), {})[own] = a
+    found = list[tuple[Term, Polynomial]]()
+    for scale, form in groups.items():
+        if domain.facts(plainly({scale: Fraction(1)})).sign & NEGATIVE:
+            return None
+        while form:
+            x = next((x for m, a in sorted(form.items()) for x, n in m if n == 2 and a > 0), None)
+            if x is None:
+                return None
+            powers = in_powers(form, x)
+            whole = _completed(x, powers)
+            found.append((scaled(number(powers[2][()]), scale), {tuple(y for y in m if y[0] != _UNIT): b for m, b in whole.items()}))
+            form = total(form, negated(times(powers[2], times(whole, whole))))
+    return found
+
+
+def _completed(x: Term, powers: list[Polynomial]) -> Polynomial:
+    """y = x + b/(2 a), where a y^2 is all of a x^2 + b x + c that x enters; a is one term."""
+    ((m, a),) = powers[2].items()
+    return total({((x, 1),): Fraction(1)}, divided(powers[1], m, 2 * a))

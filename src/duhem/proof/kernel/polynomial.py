@@ -11,8 +11,8 @@ from duhem.proof.kernel.steps import pay
 from duhem.proof.kernel.term import NotWritten, Term, number, product_of, sum_of
 
 __all__ = [
-    "ONE", "Monomial", "Polynomial", "divided", "grouped", "in_powers", "joined", "negated", "number_in", "quotient", "replaced",
-    "root_of_square", "shared", "slope", "solved", "times", "total", "written",
+    "ONE", "Monomial", "Polynomial", "added", "divided", "grouped", "in_powers", "inverse_or_root", "joined", "negated", "number_in",
+    "plainly", "quotient", "replaced", "root_of_square", "scaled", "shared", "slope", "solved", "times", "total", "written",
 ]  # fmt: skip
 
 Unknown = TypeVar("Unknown")
@@ -170,6 +170,30 @@ def solved(rows: Iterable[tuple[Mapping[Unknown, Fraction], Polynomial]]) -> dic
         others = ({m: -c * d for m, d in found[k].items()} for k, c in row.items() if k in found)
         found[pivot] = {m: c / row[pivot] for m, c in total(value, *others).items()}
     return found
+
+
+def inverse_or_root(x: Term) -> bool:
+    """Whether it is 1/P or a root of P."""
+    return x.op == "**" and x.args[1].op == "number" and abs(x.args[1].value.numerator) == 1
+
+
+def scaled(scale: Term, parts: Monomial) -> Term:
+    """A product of a scale, which may be 1, and powers."""
+    powers = [
+        x if n == 1 else Term("**", (x.args[0], number(n * x.args[1].value)) if inverse_or_root(x) else (x, number(n))) for x, n in parts
+    ]
+    found = [*([] if scale == number(1) and powers else scale.args if scale.op == "*" else [scale]), *powers]
+    return found[0] if len(found) == 1 else Term("*", tuple(found))
+
+
+def plainly(poly: Polynomial) -> Term:
+    """A polynomial as a term, its parts in order and without factors 1."""
+    return added([scaled(number(c), m) for m, c in sorted(poly.items())])
+
+
+def added(parts: list[Term]) -> Term:
+    """The sum of terms as they are, 0 for none."""
+    return parts[0] if len(parts) == 1 else Term("+", tuple(parts)) if parts else number(0)
 
 
 def written(poly: Polynomial) -> Term:

@@ -19,7 +19,7 @@ from duhem.proof.kernel.curvature import within_ranges
 from duhem.proof.kernel.deviatoric import deviatoric_readers
 from duhem.proof.kernel.domain import NEGATIVE, POSITIVE, StatedDomain, gap
 from duhem.proof.kernel.forms import degree_at_most, share_and_rest
-from duhem.proof.kernel.normal_form import added, scaled
+from duhem.proof.kernel.polynomial import added, scaled
 from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.kernel.term import COMPARISONS, NotWritten, Term, factors, minus, number, product_of, sum_of
 from duhem.proof.unsettled.limits import short, split, times
