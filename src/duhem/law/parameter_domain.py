@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 import sympy as sp
 
@@ -12,7 +12,7 @@ from duhem.expression.smt import Reals
 from duhem.law.curve_law import Law
 from duhem.law.domain import Domain
 
-__all__ = ["check_domain", "check_fixed", "simple_points"]
+__all__ = ["check_domain", "check_fixed", "simple_points", "solution"]
 
 _STEPS = 2_000_000  # z3's own, about a second: never a clock, so that a busy machine says what an idle one says
 _MOST_EXPONENT = 16
@@ -26,7 +26,7 @@ def check_domain(law: Law, *, where: str = "") -> None:
     """
     if not law.constraints or any(all(holds_at(c, point) for c in law.constraints) for point in simple_points(law)):
         return
-    if not law.free() or _contradictory(law):
+    if not law.free() or solution(_parameters(law), [*_ranges(law), *law.constraints]) is False:
         listed = ", ".join([*(str(c) for c in law.constraints), *_bounds(law)])
         raise InputError(f"no parameter values satisfy {listed} together", where=where or law.name, remedy="relax one of them")
 
@@ -47,6 +47,11 @@ def _bounds(law: Law) -> Iterator[str]:
     """The domains of the parameters that the constraints mention, in words."""
     used = set[sp.Symbol]().union(*(c.free_symbols for c in law.constraints))
     return (law.parameters[s.name].stated(s.name) for s in _parameters(law) if s in used and law.parameters[s.name] != Domain())
+
+
+def _ranges(law: Law) -> Iterator[sp.Basic]:
+    """The domains of the parameters as relations."""
+    return (relation for s in _parameters(law) for relation in law.parameters[s.name].relations(s))
 
 
 def simple_points(law: Law) -> Iterator[dict[sp.Symbol, sp.Rational]]:
@@ -70,29 +75,27 @@ def _divisors(constraint: sp.Basic) -> Iterator[sp.Expr]:
         yield from (power.base for power in constraint.atoms(sp.Pow) if power.exp.is_negative)
 
 
-def _contradictory(law: Law) -> bool:
+def solution(symbols: Sequence[sp.Symbol], relations: Iterable[sp.Basic]) -> Mapping[sp.Symbol, sp.Rational] | bool | None:
+    """Values at which all relations hold; False where there are none, None where that stays open."""
     import z3
 
-    symbols = _parameters(law)
     reals = Reals(symbols)
     solver = z3.Solver(ctx=reals.context)
     solver.set("rlimit", _STEPS)
-    for s in symbols:
-        for relation in law.parameters[s.name].relations(s):
-            solver.add(reals.term(relation))
-    for constraint in law.constraints:
-        if any(abs(power.exp) > _MOST_EXPONENT for power in constraint.atoms(sp.Pow) if power.exp.is_Integer):
-            continue  # leaving a constraint out never makes the rest contradictory
+    whole = True
+    for relation in relations:
         try:
-            solver.add(reals.term(constraint))
-            for divisor in _divisors(constraint):  # z3 gives x/0 some value; here a relation without a value does not hold
+            if any(abs(power.exp) > _MOST_EXPONENT for power in relation.atoms(sp.Pow) if power.exp.is_Integer):
+                raise InputError("an exponent is too large")
+            solver.add(reals.term(relation))
+            for divisor in _divisors(relation):  # z3 gives x/0 some value; here a relation without a value does not hold
                 solver.add(reals.relation(divisor, "!="))
         except InputError:
-            continue
+            whole = False  # leaving a relation out never makes the rest contradictory
     try:
         result = solver.check()
     except z3.Z3Exception:
-        return False
+        return None
     if result == z3.unknown and solver.reason_unknown() == "interrupted from keyboard":  # z3 catches Ctrl-C itself
         raise KeyboardInterrupt
-    return bool(result == z3.unsat)
+    return False if result == z3.unsat else reals.point(solver.model()) if result == z3.sat and whole else None

@@ -183,16 +183,16 @@ def star_shaped() -> Evidence:
         (beta[2], Sense.NONNEGATIVE, given),
         (alpha[0] - _X * _C, Sense.POSITIVE, given),
         (alpha[2], Sense.POSITIVE, given),
-        ((alone - most).subs(on_circle), Sense.POSITIVE, given),
+        (sp.factor((alone - most).subs(on_circle)), Sense.POSITIVE, given),
     )
-    questions = [Question(sp.together(expr), sense, hypotheses) for expr, sense, hypotheses in steps]
+    questions = [Question(expr, sense, hypotheses) for expr, sense, hypotheses in steps]
     return _decided(questions, "(T.d)(T'.e) exceeds (T.e)(T'.d) already by the side that is climbed", "a step stayed open")
 
 
 def _parts(t: sp.Expr, u: sp.Symbol) -> tuple[sp.Expr, sp.Expr, sp.Expr, sp.Expr]:
     """R.d, R.e, R'.e, R'.d of a side as :func:`star_shaped` states them."""
     free = 1 - u * t * _C
-    w2 = (1 + t**2) / (1 + t**2 * _C**2)
+    w2 = 1 + t**2 * (1 - _C**2) / (1 + t**2 * _C**2)  # (1 + t^2)/(1 + t^2 c^2)
     return t * _C + u * (1 + t**2 * _C**2) / free, -t * _S / free, u * (w2 - u * t * _C) / free**2, -(u**2) * t * _S / free**2
 
 

@@ -413,8 +413,7 @@ class Confirmations:
         if proof is not None:
             own, premises = Trust.CHECKED, self._needed(claim, proof)
         else:
-            by_solver = any(s in evidence.method.partition(" (")[2] for s in _SOLVERS)
-            own, premises = Trust.SOLVER if by_solver else Trust.PROVER, frozenset(rests_on) & self.standings.keys()
+            own, premises = Trust.PROVER, frozenset(rests_on) & self.standings.keys()
         trust = Trust.weakest(own, *(self.standings[name].trust or Trust.PROVER for name in premises))
         self.standings[claim] = Standing(trust, proof if trust is Trust.CHECKED else None)
         return self.standings[claim]

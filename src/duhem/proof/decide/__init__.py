@@ -1,177 +1,87 @@
-"""Deciders of one question: is an expression >= 0 wherever some relations hold?
+"""One question, decided by the kernel's signs: is an expression >= 0 wherever some relations hold?
 
-They are asked in this order: sign rules, z3 on polynomials, and z3 with a name for each part that is not algebraic, of which its sign, its
-least and its greatest value are known.
+The symbols are the parameters of a law that the kernel reads, and the relations are its constraints.  What has no value somewhere has no sign.
+A relation that may have no value keeps no point out, so that it is not used.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from dataclasses import replace
-from typing import Any
+from collections.abc import Iterable, Iterator
+from fractions import Fraction
 
 import sympy as sp
+from sympy.core.relational import Relational
 
-from duhem.expression import UNDEFINED, Atan2, Norm
-from duhem.expression.balls import ball, enclose
-from duhem.expression.branches import TooManyBranchesError, branches
-from duhem.expression.elementary import ELEMENTARY
-from duhem.expression.number import MOST_ROOT
-from duhem.expression.vocabulary import KINKS
-from duhem.proof.decide.question import ANY_STEPS, EFFORTS, NEAR_RIGHT, Answer, Budget, Question, Sense, bounds, obligations
-from duhem.proof.decide.smt import NotAlgebraicError, System, by_smt, polynomial_system
+from duhem.expression import UNDEFINED
+from duhem.expression.number import fraction
+from duhem.expression.text import formula
+from duhem.proof.decide.question import ANY_STEPS, EFFORTS, Answer, Budget, Question, Sense
+from duhem.proof.kernel import obligations as needs
+from duhem.proof.kernel.bounds import POSITIVE, ZERO, Bounds
+from duhem.proof.kernel.curvature import over
+from duhem.proof.kernel.definedness import Reader
+from duhem.proof.kernel.stated_law import StatedLaw
+from duhem.proof.kernel.steps import TooDearError, within
+from duhem.proof.kernel.term import UNREADABLE, Term, number, parse
 
-__all__ = ["ANY_STEPS", "EFFORTS", "POLYNOMIAL_DECIDERS", "Answer", "Budget", "Question", "Sense", "by_rules", "decide"]
+__all__ = ["ANY_STEPS", "EFFORTS", "Answer", "Budget", "Question", "Sense", "decide"]
 
-
-# Asked in turn about polynomials with all obligations met; an answer that is not open is the last.  Each has an eighth of what is
-# left: no answer was ever seen to take half of that.
-POLYNOMIAL_DECIDERS: tuple[Callable[[System, Budget], Answer], ...] = (by_smt,)
 _STEPS = 8_000_000  # for a question that belongs to no claim
-_AT_SIGHT = {Sense.NONNEGATIVE: "is_nonnegative", Sense.POSITIVE: "is_positive", Sense.ZERO: "is_zero"}
-_SIGNS = {word.node: word.sign_change for word in ELEMENTARY.values() if word.sign_change}
+_MOST = 400_000  # steps of one question: what is shown at all takes fewer
+_SIGNS = {Sense.NONNEGATIVE: POSITIVE | ZERO, Sense.POSITIVE: POSITIVE, Sense.ZERO: ZERO}
+_COMPARED = {sp.Eq: ("<=", ">="), sp.Ne: ()}
 
 
 def decide(question: Question, budget: Budget | None = None) -> Answer:
-    """Answer the question by the first method that succeeds within the budget; the answer names this method.
-
-    Kinks are opened into branches; each must hold.
-    """
+    """Answer yes where the kernel shows the sign within the budget; nothing else is ever answered."""
     budget = budget or Budget(_STEPS)
     if any(e.has(*UNDEFINED) for e in (question.expr, *question.given)):
         return Answer(None, reason="the expression is undefined")
     if sp.false in question.given:
         return Answer(True, "vacuous")
-    question = replace(question, given=tuple(r for r in question.given if r is not sp.true))
-    quick = by_rules(question)
-    if quick.holds:
-        return quick
-    if question.expr.has(*KINKS) or any(r.has(*KINKS) for r in question.given):
-        return _by_branches(question, budget)
-    try:
-        return _decide_system(polynomial_system(question), budget)
-    except NotAlgebraicError as fault:
-        named = _named(question, budget.part(budget.left // 2))
-        if named is not None and (answer := decide(named, budget.part(budget.left // 2))).holds:
-            return answer  # else it says more than was asked
-        return Answer(None, reason=str(fault))
-
-
-def _by_branches(question: Question, budget: Budget) -> Answer:
-    """Answer the question by deciding it on every smooth branch of its expression and hypotheses."""
-    parts = sp.Tuple(question.expr, *(sp.Tuple(r.lhs, r.rhs) for r in question.given))
-    try:
-        pieces = branches(parts, 32)
-    except TooManyBranchesError as fault:
-        return Answer(None, "branches", reason=str(fault))
-    method = ""
-
-    def shown(expr: sp.Expr, sense: Sense, given: tuple[sp.Basic, ...]) -> bool:
-        return decide(Question(expr, sense, (*question.given, *given), question.circle), budget).holds is True
-
-    for need in question.hidden(piece.expr[0] for piece in pieces):
-        if not need.met(shown):
-            return Answer(None, reason=f"it is open whether {need.asked[0]} {need.asked[1].value} 0")
-    for piece in pieces:
-        expr, *sides = piece.expr
-        given = tuple(type(r)(*pair) for r, pair in zip(question.given, sides, strict=True)) + piece.conditions()
-        answer = decide(Question(expr, question.sense, given, question.circle), budget)
-        if answer.holds is not True:
-            return answer
-        method = answer.method
-    return Answer(True, method)
-
-
-def _named(question: Question, budget: Budget) -> Question | None:
-    """Return the question with a symbol in the place of each part that is not algebraic; hypotheses say what is known of its sign.
-
-    Return None where there is no such part, or where one may have no value.  The new question asks for more than the old one.  It omits
-    each hypothesis of which such a part may have no value.
-    """
-    plain = tuple(r for r in question.given if not any(_words(r)))
-
-    def shown(expr: sp.Expr, sense: Sense, given: tuple[sp.Basic, ...] = ()) -> bool:
-        return decide(Question(expr, sense, (*plain, *given), question.circle), budget.part(budget.left // 8)).holds is True
-
-    def defined(part: sp.Basic) -> bool:
-        return all(need.met(shown) for word in _words(part) for need in obligations(word))
-
-    if not defined(question.expr):
-        return None
-    given = [r for r in question.given if r in plain or defined(r)]
-    names: dict[sp.Expr, sp.Symbol] = {}
-    sides: list[sp.Basic] = []
-    for word in dict.fromkeys(word for part in (question.expr, *given) for word in _words(part)):
-        names[word] = _name(word)
-        sure = not isinstance(word, sp.tan) or all(shown(NEAR_RIGHT + s * word.args[0], Sense.POSITIVE) for s in (1, -1))  # of no pole
-        if type(word) in _SIGNS and sure:
-            value, place, sense = _SIGNS[type(word)]
-            sides += _sides(names[word] - value, sense * (word.args[0] - place), shown)
-        sides += _bounds(names[word], word, plain)
-    if not names:
-        return None
-    return Question(question.expr.xreplace(names), question.sense, (*(r.xreplace(names) for r in given), *sides), question.circle)
-
-
-def _words(expr: sp.Basic) -> Iterator[sp.Expr]:
-    """Yield the largest parts of the expression that are not algebraic."""
-    root = expr.is_Pow and expr.exp.is_Rational and expr.exp.q <= MOST_ROOT
-    if root or isinstance(expr, sp.Add | sp.Mul | Norm | sp.Rel):
-        for part in expr.args:
-            yield from _words(part)
-    elif not (expr.is_Symbol or expr.is_Rational):
-        yield expr
-
-
-def _bounds(name: sp.Expr, word: sp.Expr, given: tuple[sp.Basic, ...]) -> Iterator[sp.Basic]:
-    """Yield the least and the greatest value of a word over the ranges of its symbols, as relations."""
-    ranges = ((x, *bounds(x, given)) for x in word.free_symbols)
-    within = {x: ball(low, high) for x, low, high in ranges if low is not None and high is not None}
-    if within.keys() == word.free_symbols and (value := enclose(word, within)).is_finite():
-        low, high = (sp.Rational(int(end.p), int(end.q)) for end in (value.lower().fmpq(), value.upper().fmpq()))
-        yield from (name >= low, name <= high)
-
-
-def _name(word: sp.Expr) -> sp.Symbol:
-    """Return a new symbol with the sign that SymPy sees in the word."""
-    signs = {"positive": True} if word.is_positive else {"nonnegative": word.is_nonnegative, "nonzero": word.is_nonzero}
-    return sp.Dummy("w", real=True, **{sign: True for sign, known in signs.items() if known})
-
-
-def _sides(name: sp.Expr, like: sp.Expr, shown: Callable[..., bool]) -> Iterator[sp.Basic]:
-    """Yield the sign of the symbol ``name``, which is that of another expression, as relations."""
-    for sign in (1, -1):
-        if shown(sign * like, Sense.NONNEGATIVE):
-            relation = sp.StrictGreaterThan if shown(sign * like, Sense.POSITIVE) else sp.GreaterThan
-            yield relation(sign * name, 0)
-
-
-def by_rules(question: Question) -> Answer:
-    """Answer by sign rules: SymPy knows signs of sums and products of quantities whose sign the declared domains give."""
-    expr = question.expr
-    if not all(map(_meaningful, expr.atoms(sp.Pow, sp.log, sp.tan, sp.asin, sp.acos, Atan2))):
-        return Answer(None, "sign-rules", reason="a part of it may be undefined")
-    for form in (expr, sp.factor_terms(expr)):
-        if getattr(form, _AT_SIGHT[question.sense]):
-            return Answer(True, "sign-rules")
-    return Answer(None, "sign-rules")
-
-
-def _meaningful(node: Any) -> bool:
-    """Return whether signs show that a power, a logarithm, a tangent, ... is a number: SymPy takes |log(x)| >= 0 to hold for all x."""
-    if node.is_Pow:
-        return bool(node.is_extended_real and (node.exp.is_nonnegative or node.base.is_nonzero))
-    return bool(node.is_real)
-
-
-def _decide_system(system: System, budget: Budget) -> Answer:
-    for obligation in system.obligations:
-        met = _decide_system(obligation, budget)
-        if met.holds is not True:
-            return Answer(None, met.method, reason=f"it is open whether {obligation.goal.poly} {obligation.goal.op} 0")
-    answer = Answer(None)
-    for decider in POLYNOMIAL_DECIDERS:
-        answer = decider(system, budget.part(budget.left // 8))
-        if answer.holds is not None:
-            break
+    with within(most := min(budget.left, _MOST)) as purse:
+        try:
+            law, names = _stated(question)
+            term, domain = parse(formula(question.expr.xreplace(names))), over(law)
+            square = question.expr.is_Pow and question.expr.exp.is_even and question.sense is Sense.NONNEGATIVE
+            holds = Reader(domain).undecided(term) is None and (square or not domain.sign(term) & ~_SIGNS[question.sense])
+            answer = Answer(True, "signs") if holds else Answer(None, "signs", reason="the signs of its parts do not tell")
+        except TooDearError:
+            answer = Answer(None, "signs", reason="its steps are spent")
+        except UNREADABLE as fault:
+            answer = Answer(None, "signs", reason=str(fault))
+    budget.pays(min(most, purse.spent))
     return answer
+
+
+def _stated(question: Question) -> tuple[StatedLaw, dict[sp.Symbol, sp.Symbol]]:
+    """A law with the symbols as parameters and the relations as constraints, and the names of the symbols in it."""
+    given = (r for told in question.given for r in (told.args if isinstance(told, sp.And) else (told,)))
+    relations = [r for r in (*given, *question.on_circle()) if isinstance(r, Relational)]
+    symbols = question.expr.free_symbols.union(*(r.free_symbols for r in relations))
+    names = {x: sp.Symbol(f"x{i}", real=True) for i, x in enumerate(sorted(symbols, key=sp.default_sort_key))}
+    ranges = {y.name: _range(x, relations) for x, y in names.items()}
+    law = StatedLaw(("force",), None, number(0), None, ranges, ())
+    compared = (c for r in relations if not _is_bound(r) for c in _comparisons(r.xreplace(names)))
+    return law._replace(constraints=tuple(c for c in compared if not needs.constraints(law._replace(constraints=(c,))))), names
+
+
+def _is_bound(relation: Relational) -> bool:
+    return isinstance(relation, sp.core.relational._Inequality) and relation.lhs.is_Symbol and relation.rhs.is_Rational
+
+
+def _range(x: sp.Symbol, relations: Iterable[Relational]) -> Bounds:
+    """Where a symbol lies, by its sign and the relations that bound it."""
+    zero = Fraction(0)
+    found = Bounds(zero if x.is_nonnegative else None, zero if x.is_nonpositive else None, bool(x.is_positive), bool(x.is_negative))
+    for r in relations:
+        if _is_bound(r) and r.lhs == x:
+            end, strict = fraction(r.rhs), isinstance(r, sp.StrictGreaterThan | sp.StrictLessThan)
+            found = found.above(end, strict) if r.rel_op.startswith(">") else found.below(end, strict)
+    return found
+
+
+def _comparisons(relation: Relational) -> Iterator[Term]:
+    """The relation as comparisons that the kernel reads."""
+    left, right = map(formula, relation.args)
+    yield from (parse(f"{left} {op} {right}") for op in _COMPARED.get(type(relation), (relation.rel_op,)))

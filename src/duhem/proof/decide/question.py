@@ -5,8 +5,8 @@ function or power needs, for formulas as written and for questions.  The needs a
 is opened: abs(a)/a divides by a although on either side of a = 0 it is a constant.
 
 And what a question or a claim may cost, in steps instead of seconds: counted alike on every machine, busy or idle.  A step is about a
-microsecond of a core.  z3 counts its own (one unit of its ``rlimit`` is a step); the other engines have prices, as measured.  What cannot
-be stopped half-way is priced by its size before it is begun.
+microsecond of a core.  The kernel counts its own; the searches have prices, as measured.  What cannot be stopped half-way is priced by
+its size before it is begun.
 """
 
 from __future__ import annotations
@@ -176,11 +176,10 @@ def bounds(x: sp.Symbol, given: Iterable[sp.Basic]) -> tuple[Fraction | None, Fr
 
 @dataclass(frozen=True)
 class Answer:
-    """``holds`` True: proved by ``method``; False: ``point`` suggests a violation, not yet checked; None: not decided."""
+    """``holds`` True: shown by ``method``; None: open."""
 
     holds: bool | None
     method: str = ""
-    point: Mapping[sp.Symbol, Any] | None = None
     reason: str = ""
 
 

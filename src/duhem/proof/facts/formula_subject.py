@@ -12,7 +12,6 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from fractions import Fraction
 from functools import cached_property
 from itertools import chain, combinations, islice, tee
-from types import MappingProxyType
 from typing import Any
 
 import sympy as sp
@@ -25,7 +24,7 @@ from duhem.expression.number import fraction, rational
 from duhem.expression.text import formula
 from duhem.law.curve_law import Law
 from duhem.law.formula_law import Criterion
-from duhem.law.parameter_domain import simple_points
+from duhem.law.parameter_domain import simple_points, solution
 from duhem.proof.decide import EFFORTS, Answer, Budget, Question, Sense
 from duhem.proof.decide.question import Obligation, obligations
 from duhem.proof.facts.subject import Point, Subject, Values, middle_of, plain_choices, rationals, walk
@@ -156,8 +155,8 @@ class FormulaSubject(Subject):
         if self.met(obligation):
             return True
         if obligation.symbols() <= {x for x in problem.parameters if x is not problem.magnitude}:
-            answer, told = self.decided(self._question(*obligation.asked, obligation.given)), ""
-            if (point := self.broken_at(obligation, answer.point or {})) is not None:
+            told = ""
+            if (point := self.broken_at(obligation)) is not None:
                 told = f"{'0' if obligation.expr.subs(point).is_zero else 'negative'} {f'at {_told(point)}' if point else 'always'}"
             elif ends := _on_either_side(problem, obligation):
                 told = f"0 somewhere between {' and '.join(map(_told, ends))}"
@@ -166,13 +165,12 @@ class FormulaSubject(Subject):
                 raise InputError(what, where=self.law.name, remedy=_remedy(obligation))
         return False
 
-    def broken_at(self, obligation: Obligation, hint: Mapping[sp.Symbol, Any] = MappingProxyType({})) -> Place | None:
+    def broken_at(self, obligation: Obligation) -> Place | None:
         """Admitted parameters and a size of the pressure at which it certainly fails, whatever the forces; None where none were found."""
         problem, symbols = self.problem, obligation.symbols()
         if not symbols <= set(problem.parameters):
             return None
-        points = [*_plain_points(problem, symbols), *([dict(hint)] if all(holds_at(r, hint) for r in problem.given) else [])]
-        point = next((point for point in points if symbols <= point.keys() and obligation.broken(point)), None)
+        point = next((point for point in _plain_points(problem, symbols) if symbols <= point.keys() and obligation.broken(point)), None)
         return None if point is None else {x: point[x] for x in problem.parameters if x in symbols}
 
     # -- derived forms ------------------------------------------------------------------------------------------
@@ -290,8 +288,8 @@ class FormulaSubject(Subject):
         plain = next(plain_choices(free, tuple(r for r in given if len(r.free_symbols) == 1)))
         halves = [half(x, rational(middle_of(x, given))) for x in tied for half in (sp.GreaterThan, sp.LessThan)]
         for half in (sp.true, *halves):
-            point = self.ask(-sp.S.One, Sense.NONNEGATIVE, *(() if half == sp.true else (half,))).point or {}
-            values = {x: fraction(point[x]) if x in point else plain[x] for x in free}
+            point = solution(free, (*given, half)) or {}
+            values = {x: fraction(point[x]) if x in tied and point else plain[x] for x in free}
             if self.admits_choice(values) and values not in starts:
                 starts.append(values)
         yield from walk(starts, self.admits_choice)

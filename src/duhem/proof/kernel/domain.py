@@ -328,8 +328,9 @@ class StatedDomain:
         known = base.names() <= {*self.bounds, "pi", self.law.pressure}
         with suppress(NotWritten):
             if known and exponent == HALF and (found := root_of_square(self.polynomial(base))) is not None and number_in(found[1]) is None:
-                size = self.plain(Term("abs", (written(found[1]),)))
-                return size if found[0] == 1 else product_of(Term("**", (number(found[0]), HALF)), size)
+                size, root = self.plain(Term("abs", (written(found[1]),))), Fraction(*map(isqrt, found[0].as_integer_ratio()))
+                scale = number(root) if root**2 == found[0] else Term("**", (number(found[0]), HALF))
+                return size if root**2 == 1 == found[0] else product_of(scale, size)
         return None
 
     def plain(self, term: Term) -> Term:
@@ -368,11 +369,13 @@ def _inverse(poly: Polynomial, n: int) -> Polynomial:
 
 
 def _outweighed(m: Monomial, c: Fraction, above: Polynomial) -> bool:
-    """Whether two terms that are >= 0 have a sum no less than |c m|, twice their geometric mean being so; they are used up."""
+    """Whether two terms that are >= 0 have a sum no less than |c m|, twice their geometric mean being so; what that takes is used up."""
     for one, a in above.items():
         other = joined(joined(m, m), tuple((x, -n) for x, n in one))
-        if other in above and other != one and c * c <= 4 * a * above[other]:
+        if other in above and other != one and c * c <= (most := 4 * a * above[other]):
             del above[one], above[other]
+            if c * c < most:
+                above[one] = a - a * c * c / most
             return True
     return False
 

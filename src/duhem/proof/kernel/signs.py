@@ -137,6 +137,11 @@ def _of_one_sign(term: Term, domain: StatedDomain) -> Iterator[Term]:
     """A constant, and what is left of it without what it divides by and what divides all of it, where that is simpler."""
     yield term
     poly = domain.polynomial(term)
+    rooted = poly
+    for root in {x for m in poly for x, _ in m if x.op == "**" and x.args[1] == HALF and x.args[0].op == "name"}:
+        rooted = replaced(rooted, root.args[0], {((root, 2),): Fraction(1)})  # as the square of its root
+    if rooted != poly:
+        yield written(rooted)
     with suppress(NotWritten):
         if (left := without_content(multiplied_through(poly, domain, signed=True), domain)) != poly:
             yield written(left)

@@ -95,9 +95,7 @@ def origin_at_parameters(subject: FormulaSubject) -> Evidence | None:
     """Refute by parameters at which g(0) > 0."""
     from duhem.proof.search.margins import highest_at_zero
 
-    hint = None if subject.at_origin is None else subject.ask(-subject.at_origin, Sense.NONNEGATIVE).point
-    hints = [hint] if hint else highest_at_zero(subject)
-    found = (origin_outside(subject, parameters) for parameters in subject.choices(40, hints))
+    found = (origin_outside(subject, parameters) for parameters in subject.choices(40, highest_at_zero(subject)))
     return Evidence.refuted_by(found, "witness-point", _of_k(subject, "zero force is outside K"))
 
 
