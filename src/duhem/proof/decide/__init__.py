@@ -22,7 +22,7 @@ from duhem.proof.kernel.curvature import over
 from duhem.proof.kernel.definedness import Reader
 from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.kernel.steps import TooDearError, within
-from duhem.proof.kernel.term import UNREADABLE, Term, number, parse
+from duhem.proof.kernel.term import UNREADABLE, Term, parse
 
 __all__ = ["ANY_STEPS", "EFFORTS", "Answer", "Budget", "Question", "Sense", "decide"]
 
@@ -41,10 +41,7 @@ def decide(question: Question, budget: Budget | None = None) -> Answer:
         return Answer(True, "vacuous")
     with within(most := min(budget.left, _MOST)) as purse:
         try:
-            law, names = _stated(question)
-            term, domain = parse(formula(question.expr.xreplace(names))), over(law)
-            square = question.expr.is_Pow and question.expr.exp.is_even and question.sense is Sense.NONNEGATIVE
-            holds = Reader(domain).undecided(term) is None and (square or not domain.sign(term) & ~_SIGNS[question.sense])
+            holds = any(_holds(question, *reading) for reading in _readings(question))
             answer = Answer(True, "signs") if holds else Answer(None, "signs", reason="the signs of its parts do not tell")
         except TooDearError:
             answer = Answer(None, "signs", reason="its steps are spent")
@@ -54,16 +51,27 @@ def decide(question: Question, budget: Budget | None = None) -> Answer:
     return answer
 
 
-def _stated(question: Question) -> tuple[StatedLaw, dict[sp.Symbol, sp.Symbol]]:
-    """A law with the symbols as parameters and the relations as constraints, and the names of the symbols in it."""
+def _holds(question: Question, law: StatedLaw, term: Term) -> bool:
+    """Whether a term has a value in the domain of a law, and one of the signs that are asked for."""
+    domain = over(law)
+    square = question.expr.is_Pow and question.expr.exp.is_even and question.sense is Sense.NONNEGATIVE
+    return Reader(domain).undecided(term) is None and (square or not domain.sign(term) & ~_SIGNS[question.sense])
+
+
+def _readings(question: Question) -> Iterator[tuple[StatedLaw, Term]]:
+    """Laws in which the expression is a constant, and a function of those symbols as forces that nothing bounds."""
     given = (r for told in question.given for r in (told.args if isinstance(told, sp.And) else (told,)))
     relations = [r for r in (*given, *question.on_circle()) if isinstance(r, Relational)]
     symbols = question.expr.free_symbols.union(*(r.free_symbols for r in relations))
     names = {x: sp.Symbol(f"x{i}", real=True) for i, x in enumerate(sorted(symbols, key=sp.default_sort_key))}
-    ranges = {y.name: _range(x, relations) for x, y in names.items()}
-    law = StatedLaw(("force",), None, number(0), None, ranges, ())
-    compared = (c for r in relations if not _is_bound(r) for c in _comparisons(r.xreplace(names)))
-    return law._replace(constraints=tuple(c for c in compared if not needs.constraints(law._replace(constraints=(c,))))), names
+    ranges = {x: _range(x, relations) for x in names}
+    term = parse(formula(question.expr.xreplace(names)))
+    for moving in dict.fromkeys((frozenset[sp.Symbol](), frozenset(x for x in names if ranges[x] == Bounds(None, None)))):
+        forces = tuple(y.name for x, y in names.items() if x in moving) or ("force",)
+        law = StatedLaw(forces, None, term, None, {y.name: ranges[x] for x, y in names.items() if x not in moving}, ())
+        told = (r for r in relations if not (_is_bound(r) or r.free_symbols & moving))
+        compared = (c for r in told for c in _comparisons(r.xreplace(names)))
+        yield law._replace(constraints=tuple(c for c in compared if not needs.constraints(law._replace(constraints=(c,))))), term
 
 
 def _is_bound(relation: Relational) -> bool:

@@ -67,16 +67,16 @@ def flows_along_normals(law: StatedLaw, along: Identities, across: Identities) -
 
 def _dissipates(face: StatedFace, forces: tuple[str, ...], identities: Identities, domain: StatedDomain) -> bool:
     if face.flow is None and face.power is None:
-        return all(shown(_along(forces, g, domain), ">", given, identities, domain) for (g,), given in _on_face(face, (), domain))
+        return all(shown(_along(forces, g, domain), ">", given, identities, domain) for (g,), _, given in _on_face(face, (), domain))
     power = face.power or sum_of(*map(product_of, (Term("name", name=x) for x in forces), face.flow or ()))
     return domain.never_negative(power) or all(
-        domain.nonnegative(smooth) or shown(domain.polynomial(smooth), ">=", given, identities, domain)
-        for (_, smooth), given in _on_face(face, (power,), domain)
+        domain.where(dict.fromkeys(sides, False)).never_negative(smooth) or shown(domain.polynomial(smooth), ">=", given, identities, domain)
+        for (_, smooth), sides, given in _on_face(face, (power,), domain)
     )
 
 
 def _parallel(face: StatedFace, forces: tuple[str, ...], along: Identities, across: Identities, domain: StatedDomain) -> bool:
-    for (g, *components), given in _on_face(face, face.flow or (), domain):
+    for (g, *components), _, given in _on_face(face, face.flow or (), domain):
         gradient, d = [_along_axis(x, g, domain) for x in forces], list(map(domain.polynomial, components))
         if not shown(total(*map(times, d, gradient)), ">", given, along, domain):
             return False
@@ -87,13 +87,15 @@ def _parallel(face: StatedFace, forces: tuple[str, ...], along: Identities, acro
     return True
 
 
-def _on_face(face: StatedFace, beside: Sequence[Term], domain: StatedDomain) -> Iterator[tuple[tuple[Term, ...], dict[str, Condition]]]:
-    """Smooth pieces of the face's g and of the formulas ``beside`` it, with what holds where they are the boundary."""
+def _on_face(
+    face: StatedFace, beside: Sequence[Term], domain: StatedDomain
+) -> Iterator[tuple[tuple[Term, ...], tuple[Term, ...], dict[str, Condition]]]:
+    """Smooth pieces of the face's g and of the formulas ``beside`` it, with what is >= 0 there, and what holds where it is the boundary."""
     inside = [minus(smaller) for other in face.others for smaller in below(other)]
     if any(chooses(g, domain) for g in (face.g, *face.others)):
         raise NotWritten("g may jump, and then K ends where no g is 0")
     for piece, sides in pieces(Term(",", (face.g, *beside)), domain, CHOICES):
-        yield piece.args, _on_boundary(piece.args[0], (*sides, *inside), domain)
+        yield piece.args, sides, _on_boundary(piece.args[0], (*sides, *inside), domain)
 
 
 def curves_inward(law: StatedLaw, directions: Sequence[str], identities: Identities) -> bool:

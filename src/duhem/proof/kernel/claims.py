@@ -325,9 +325,7 @@ def _where_defined(law: StatedLaw, whole: StatedDomain, inside: StatedDomain) ->
     if whole.facts(law.g).defined or _inside_at_tips(law):
         yield law.g, whole
     for spelled in (lambda g, _: g, normal) if Reader(inside).undecided(law.g) is None else ():
-        form = spelled(law.g, inside)
-        if not any(chooses(part, inside) for part in (form.args[1:] if form.op == "where" else (form,))):
-            yield form, inside
+        yield spelled(law.g, inside), inside
 
 
 def _inside_at_tips(law: StatedLaw) -> bool:

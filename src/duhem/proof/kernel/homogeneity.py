@@ -36,7 +36,7 @@ from duhem.proof.kernel.forms import affine, by_forces
 from duhem.proof.kernel.gradient import gradient
 from duhem.proof.kernel.identity import in_order, signs_as_sizes, vanishes, written_in_order
 from duhem.proof.kernel.normal_form import normal
-from duhem.proof.kernel.pieces import CHOICES, chooses, pieces
+from duhem.proof.kernel.pieces import CHOICES, choice, chooses, pieces
 from duhem.proof.kernel.polynomial import Monomial, Polynomial, in_powers, joined, times, total, written
 from duhem.proof.kernel.regularity import tips
 from duhem.proof.kernel.stated_law import StatedLaw
@@ -53,8 +53,9 @@ _ALIKE = ("abs", "pos", "neg", "norm", "max", "min", "eigmax")
 
 def grows_along_rays(g: Term, domain: StatedDomain) -> bool:
     """Whether d g(r sigma)/dr > 0 at r = 1 wherever g = 0, or >= 0 and grad g != 0; of a choice that no ray changes, each value's."""
-    if g.op == "where" and g.args[0].op in COMPARISONS:
-        return len(by_degree(gap(g.args[0]), domain)) == 1 and all(grows_along_rays(value, domain) for value in g.args[1:])
+    if (kink := choice(g, domain)) is not None and kink.op == "where" and kink.args[0].op in COMPARISONS:
+        values = [g.put({kink: value}) for value in kink.args[1:]]
+        return len(by_degree(gap(kink.args[0]), domain)) == 1 and all(grows_along_rays(value, domain) for value in values)
     poly = domain.polynomial(g)
     logs = {x: _degree_of_all(x.args, domain) for m in poly for x, _ in m if x.op == "log" and not domain.constant(x)}
     more = [product_of(logs[x], written({joined(m, ((x, -1),)): c * n})) for m, c in poly.items() for x, n in m if x in logs]

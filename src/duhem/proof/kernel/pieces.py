@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 from duhem.proof.kernel.domain import StatedDomain, gap
 from duhem.proof.kernel.term import COMPARISONS, NotWritten, Term, minus, number, sum_of
 
-__all__ = ["CHOICES", "below", "chooses", "pieces"]
+__all__ = ["CHOICES", "below", "choice", "chooses", "pieces"]
 
 _KINKS = ("abs", "pos", "neg", "max", "min")
 CHOICES = (*_KINKS, "where")
@@ -31,9 +31,14 @@ def pieces(term: Term, domain: StatedDomain, words: Sequence[str] = _KINKS, dept
                 yield smooth, (*sides, *more)
 
 
+def choice(term: Term, domain: StatedDomain) -> Term | None:
+    """A part by which a force decides what the formula is, or an angle, which may jump where its first part is 0 and its second < 0."""
+    return _innermost(term, domain, ("where", "atan2"))
+
+
 def chooses(term: Term, domain: StatedDomain) -> bool:
-    """Whether a force decides what the formula is, or an angle may jump, which it does where its first part is 0 and its second < 0."""
-    return _innermost(term, domain, ("where", "atan2")) is not None
+    """Whether there is such a part."""
+    return choice(term, domain) is not None
 
 
 def below(term: Term, depth: int = 0) -> Iterator[Term]:
