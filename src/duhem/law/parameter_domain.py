@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from typing import Literal
 
 import sympy as sp
 
@@ -75,7 +76,7 @@ def _divisors(constraint: sp.Basic) -> Iterator[sp.Expr]:
         yield from (power.base for power in constraint.atoms(sp.Pow) if power.exp.is_negative)
 
 
-def solution(symbols: Sequence[sp.Symbol], relations: Iterable[sp.Basic]) -> Mapping[sp.Symbol, sp.Rational] | bool | None:
+def solution(symbols: Sequence[sp.Symbol], relations: Iterable[sp.Basic]) -> Mapping[sp.Symbol, sp.Rational] | Literal[False] | None:
     """Values at which all relations hold; False where there are none, None where that stays open."""
     import z3
 

@@ -1,7 +1,7 @@
 """One question, decided by the kernel's signs: is an expression >= 0 wherever some relations hold?
 
-The symbols are the parameters of a law that the kernel reads, and the relations are its constraints.  What has no value somewhere has no sign.
-A relation that may have no value keeps no point out, so that it is not used.
+The symbols are the parameters of a law that the kernel reads, and the relations are its constraints; or what nothing bounds are its forces.
+What has no value somewhere has no sign.  A relation that may have no value keeps no point out, so that it is not used.
 """
 
 from __future__ import annotations
@@ -61,7 +61,7 @@ def _holds(question: Question, law: StatedLaw, term: Term) -> bool:
 def _readings(question: Question) -> Iterator[tuple[StatedLaw, Term]]:
     """Laws in which the expression is a constant, and a function of those symbols as forces that nothing bounds."""
     given = (r for told in question.given for r in (told.args if isinstance(told, sp.And) else (told,)))
-    relations = [r for r in (*given, *question.on_circle()) if isinstance(r, Relational)]
+    relations = [r for r in given if isinstance(r, Relational)]
     symbols = question.expr.free_symbols.union(*(r.free_symbols for r in relations))
     names = {x: sp.Symbol(f"x{i}", real=True) for i, x in enumerate(sorted(symbols, key=sp.default_sort_key))}
     ranges = {x: _range(x, relations) for x in names}

@@ -16,7 +16,7 @@ from dataclasses import dataclass
 from enum import StrEnum
 from fractions import Fraction
 from functools import partial
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import sympy as sp
 
@@ -146,25 +146,11 @@ _NEEDS: Mapping[type[sp.Basic], Callable[..., Iterator[Obligation]]] = {
 
 @dataclass(frozen=True)
 class Question:
-    """For all real values of the symbols that satisfy every relation of ``given``: ``expr sense 0``?
-
-    ``circle`` names two symbols x, y restricted to x^2 + y^2 = 1.
-    """
+    """For all real values of the symbols that satisfy every relation of ``given``: ``expr sense 0``?"""
 
     expr: sp.Expr
     sense: Sense
     given: tuple[sp.Basic, ...] = ()
-    circle: tuple[sp.Symbol, sp.Symbol] | None = None
-
-    def on_circle(self) -> tuple[sp.Basic, ...]:
-        """The circle as a relation, if there is one."""
-        return () if self.circle is None else (sp.Eq(self.circle[0] ** 2 + self.circle[1] ** 2, 1),)
-
-    def hidden(self, shown: Iterable[sp.Expr]) -> tuple[Obligation, ...]:
-        """The obligations of the formula that some other form of it no longer has: abs(x)/x divides by x, and its form 1 does not."""
-        needs = dict.fromkeys(obligations(self.expr))
-        common = set(needs).intersection(*map(obligations, shown))
-        return tuple(need for need in needs if need not in common)
 
 
 def bounds(x: sp.Symbol, given: Iterable[sp.Basic]) -> tuple[Fraction | None, Fraction | None]:

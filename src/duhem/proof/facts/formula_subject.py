@@ -29,7 +29,7 @@ from duhem.proof.decide import EFFORTS, Answer, Budget, Question, Sense
 from duhem.proof.decide.question import Obligation, obligations
 from duhem.proof.facts.subject import Point, Subject, Values, middle_of, plain_choices, rationals, walk
 from duhem.proof.in_state import Dissipating, power_of_rates
-from duhem.proof.statement import Face, Problem, state
+from duhem.proof.statement import Problem, state
 
 __all__ = ["FormulaSubject", "RateSubject", "admitted_values"]
 
@@ -185,18 +185,6 @@ class FormulaSubject(Subject):
         """Smooth branches of the simple problem's g with an inside; None if there are too many."""
         return _pieces(self.simple.g)
 
-    def on_boundary(self, face: Face) -> tuple[tuple[sp.Expr, tuple[sp.Basic, ...]], ...] | None:
-        """Where a face of the simple problem is the boundary of K: its g on smooth closed branches, each with what holds there.
-
-        None where there are too many of them, or the boundary may lie elsewhere than on g = 0.
-        """
-        within = [sp.LessThan(smooth, 0) for other in face.others for smooth in smooth_below(other)]
-        apart = not self.doubtful and self.joined(self.simple.g) and self.joined(face.g) if face.others else self.continuous
-        pieces = (self.pieces if face.g == self.simple.g else _pieces(face.g)) if apart else None
-        if pieces is None or sp.false in within:
-            return None if pieces is None else ()
-        return tuple((p.expr, (*p.conditions(), *(r for r in within if r != sp.true), sp.Eq(p.expr, 0))) for p in pieces)
-
     @cached_property
     def continuous(self) -> bool:
         """Whether g is proved defined and continuous everywhere, so that the boundary of K lies on g = 0."""
@@ -300,9 +288,9 @@ class FormulaSubject(Subject):
             return False
         return all(abs(number) < _GREATEST for number in here.atoms(sp.Rational))
 
-    def ask(self, expr: sp.Expr, sense: Sense, *given: sp.Basic, circle: tuple[sp.Symbol, sp.Symbol] | None = None) -> Answer:
+    def ask(self, expr: sp.Expr, sense: Sense, *given: sp.Basic) -> Answer:
         """Decide ``expr sense 0`` over the parameter domain of the simple problem and further relations."""
-        return self.decided(Question(sp.sympify(expr), sense, (*self.simple.given, *given), circle))
+        return self.decided(Question(sp.sympify(expr), sense, (*self.simple.given, *given)))
 
     def nonnegative(self, constant: sp.Expr) -> bool:
         """Whether an expression in the parameters is >= 0 on the whole domain (False also when undecided)."""

@@ -70,7 +70,8 @@ def _dissipates(face: StatedFace, forces: tuple[str, ...], identities: Identitie
         return all(shown(_along(forces, g, domain), ">", given, identities, domain) for (g,), _, given in _on_face(face, (), domain))
     power = face.power or sum_of(*map(product_of, (Term("name", name=x) for x in forces), face.flow or ()))
     return domain.never_negative(power) or all(
-        domain.where(dict.fromkeys(sides, False)).never_negative(smooth) or shown(domain.polynomial(smooth), ">=", given, identities, domain)
+        domain.where(dict.fromkeys(sides, False)).never_negative(smooth)
+        or shown(domain.polynomial(smooth), ">=", given, identities, domain)
         for (_, smooth), sides, given in _on_face(face, (power,), domain)
     )
 

@@ -1,4 +1,4 @@
-"""Evidence that a claim holds, most of it for a rule of the kernel, which decides.
+"""Evidence that a claim holds, for a rule of the kernel, which decides.
 
 Composition with sums of squares in it: Helton, Nie (2010), Math. Program. 122, 21; Ahmadi, Parrilo (2013), SIAM J. Optim. 23, 811.
 The squares come from a conic solver and are made exact: what proves it is an identity of fractions.  So it is of a boundary that
@@ -9,14 +9,11 @@ inside its boundary and convexity is local (Tietze 1928, Nakajima 1928).  The po
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import replace
-from itertools import combinations, permutations
 from typing import Any
 
 import sympy as sp
 
 from duhem.expression import Norm, Where
-from duhem.expression.branches import seam, seams
 from duhem.expression.dimensions import degree
 from duhem.expression.parse import parse_expression
 from duhem.expression.text import formula
@@ -30,15 +27,13 @@ from duhem.proof.search.boundary_identities import composed_of_sums, convex_sums
 from duhem.proof.verdict import Evidence, Proof, Verdict
 
 __all__ = [
-    "convexity_by_branches", "convexity_by_sums", "convexity_in_a_box", "convexity_on_boundary", "dissipation_by_identities",
-    "dissipation_by_shares", "dissipation_in_a_box", "dissipation_of_potential", "dissipation_on_boundary", "duality", "normality_parallel",
-    "origin_by_signs", "smoothness_by_identities", "smoothness_by_sums", "smoothness_in_a_box", "smoothness_on_boundary",
-    "state_laws_not_stated", "without_heat",
+    "convexity_by_sums", "convexity_in_a_box", "convexity_on_boundary", "dissipation_by_identities", "dissipation_by_shares",
+    "dissipation_in_a_box", "dissipation_of_potential", "duality", "normality_parallel", "smoothness_by_identities", "smoothness_by_sums",
+    "smoothness_in_a_box", "state_laws_not_stated", "without_heat",
 ]  # fmt: skip
 
 Terms = Mapping[sp.Expr, sp.Expr]  # what depends on the forces, and its coefficient
-Asked = tuple[sp.Expr, Sense, tuple[sp.Basic, ...]]  # a sign, and where it is asked
-_MOST_PIECES, _MOST_ROOTS, _MOST_SHARES = 8, 4, 6
+_MOST_ROOTS, _MOST_SHARES = 4, 6
 
 
 def _offered(rule: str, detail: str, evidence: Mapping[str, Any], method: str | None = None) -> Evidence:
@@ -100,64 +95,11 @@ def _in_a_box(subject: FormulaSubject | GraphSubject, rule: str, shown: str) -> 
         yield _offered(rule, f"{shown}, by enclosures in parts of the ranges of the forces", {})
 
 
-def convexity_by_branches(subject: FormulaSubject) -> Evidence | None:
-    """In two forces the boundary rises outward and curves inward on every branch of g, and kinks outward on every seam.
-
-    The boundary is run through with K on its left.  On a seam it passes from one branch to the next where the tangents (-g_y, g_x) of both
-    point into the next one; there it may not turn right.  It does not if T/E does not fall, E = sigma . grad g > 0, T = x g_y - y g_x.
-    """
-    pieces, forces, origin = subject.pieces, subject.simple.forces, subject.at_origin
-    if pieces is None or len(pieces) > _MOST_PIECES or len(forces) != 2 or origin is None or not subject.continuous:
-        return None
-    x, y = forces
-    asked: list[Asked] = [(-origin, Sense.POSITIVE, ())]
-    for piece in pieces:
-        there, (gx, gy) = (*piece.conditions(), sp.Eq(piece.expr, 0)), _gradient(piece.expr, forces)
-        tangent = (-gy, gx)
-        bend = _dot(tangent, [_dot(tangent, _gradient(d, forces)) for d in (gx, gy)])
-        asked += [(x * gx + y * gy, Sense.POSITIVE, there), (bend, Sense.NONNEGATIVE, there)]
-    for before, after in permutations(pieces, 2):
-        if before.expr == after.expr:
-            continue
-        if (found := seam(before, after)) is None:
-            return None
-        (bx, by), (ax, ay) = (_gradient(branch.expr, forces) for branch in (before, after))
-        on_seam = [sp.Eq(before.expr, 0), *found.on(), *found.within()]
-        for switch in found.crossed:
-            sx, sy = _gradient(after.signs[switch] * switch, forces)
-            on_seam += [sp.GreaterThan(sy * ax - sx * ay, 0), sp.GreaterThan(sy * bx - sx * by, 0)]
-        turn = (x * ay - y * ax) * (x * bx + y * by) - (x * by - y * bx) * (x * ax + y * ay)
-        asked.append((turn, Sense.NONNEGATIVE, tuple(on_seam)))
-    return _by_signs(subject, asked, "implicit-curvature", "K is star-shaped about 0, its boundary curves inward, and kinks are outward")
-
-
 def smoothness_by_identities(subject: FormulaSubject) -> Iterator[Evidence]:
     """grad g != 0 where a piece of g that is a polynomial is 0: g rises outward there, or the square of grad g is > 0."""
     for name, found in (("outward", outward), ("steep", steep)):
         if identities := found(subject):
             yield _offered("regular-value", "grad g != 0 wherever g = 0", {name: list(identities)})
-
-
-def origin_by_signs(subject: FormulaSubject) -> Evidence | None:
-    """g(0) <= 0, by the deciders."""
-    at = subject.at_origin
-    return None if at is None else _by_signs(subject, [(-at, Sense.NONNEGATIVE, ())], "evaluation", "g(0) <= 0 for every pressure")
-
-
-def smoothness_on_boundary(subject: FormulaSubject) -> Evidence | None:
-    """grad g does not vanish on the boundary and keeps its direction across every seam that the boundary crosses."""
-    pieces, forces = subject.pieces, subject.simple.forces
-    if pieces is None or len(pieces) > _MOST_PIECES or not subject.continuous:
-        return None
-    asked: list[Asked] = [(_square(_gradient(p.expr, forces)), Sense.POSITIVE, (*p.conditions(), sp.Eq(p.expr, 0))) for p in pieces]
-    for between in seams(pieces):
-        before, after = between.before.expr, between.after.expr
-        one, two = _gradient(before, forces), _gradient(after, forces)
-        on_seam = (*between.within(), *between.on(), sp.Eq(before, 0))
-        asked += [(minor, Sense.ZERO, on_seam) for minor in (after, *_minors(one, two))]
-        asked.append((_dot(one, two), Sense.POSITIVE, on_seam))
-    told = "" if len(pieces) == 1 else ", with one direction on both sides of each seam"
-    return _by_signs(subject, asked, "regular-value", f"grad g != 0 wherever g = 0{told}")
 
 
 def dissipation_by_identities(subject: FormulaSubject) -> Iterator[Evidence]:
@@ -166,71 +108,17 @@ def dissipation_by_identities(subject: FormulaSubject) -> Iterator[Evidence]:
         yield _offered("boundary-power", "force . flow >= 0 wherever g = 0", {"outward": list(identities)})
 
 
-def dissipation_on_boundary(subject: FormulaSubject) -> Evidence | None:
-    """force . flow >= 0 on the boundary, face by face and branch by branch; the flow is grad g where there is none of its own."""
-    forces, asked = subject.simple.forces, list[Asked]()
-    for face in subject.simple.faces:
-        if (pieces := subject.on_boundary(face)) is None:
-            return None
-        for g, there in pieces:
-            flow = face.flow or _gradient(g, forces)
-            if not face.flow:  # where grad g = 0 it says nothing of the normal
-                asked.append((_square(flow), Sense.POSITIVE, there))
-            asked.append((sp.factor_terms(sp.expand(subject.power(flow))), Sense.NONNEGATIVE, there))
-    return _by_signs(subject, asked, "boundary-power", "force . flow >= 0 wherever g = 0")
-
-
-def normality_parallel(subject: FormulaSubject, settled: Mapping[str, Evidence]) -> Evidence | None:
+def normality_parallel(subject: FormulaSubject) -> Iterator[Evidence]:
     """A flow of the law's own, or of a surface, is parallel to grad g and points the same way, wherever g = 0 in K, K being convex.
 
     K lies in {g <= 0}, so g does not rise from the boundary point towards any point of K.
     """
-    own = [face for face in subject.simple.faces if face.flow is not None]
-    if settled["convexity"].verdict is not Verdict.PROVED or not own:
-        return None
-    forces, asked = subject.simple.forces, list[Asked]()
-    for face in own:
-        if (pieces := subject.on_boundary(face)) is None:
-            return None
-        for g, there in pieces:
-            flow, gradient = face.flow or (), _gradient(g, forces)
-            asked += [
-                (_square(gradient), Sense.POSITIVE, there),  # where grad g = 0 every flow would look parallel to it
-                (_square(flow), Sense.POSITIVE, there),  # where the flow is 0 it has no direction
-                *((minor, Sense.ZERO, there) for minor in _minors(flow, gradient)),
-                (_dot(flow, gradient), Sense.NONNEGATIVE, there),
-            ]
-    found = _by_signs(subject, asked, "parallel", "the flow is a non-negative multiple of grad g wherever g = 0, and K is convex")
-    known = parallel(subject) if found is not None else {}
-    return replace(found, method="parallel", proof=Proof("parallel", known)) if found is not None and known else found
-
-
-def _by_signs(subject: FormulaSubject, asked: Sequence[Asked], name: str, detail: str) -> Evidence | None:
-    """Proved if the deciders show every sign that is asked; the name of the proof says by which methods."""
-    used = set[str]()
-    for expr, sense, there in asked:
-        answer = subject.ask(expr, sense, *there)
-        if answer.holds is not True:
-            return None
-        used.add(answer.method)
-    return Evidence(Verdict.PROVED, f"{name} ({', '.join(sorted(used))})", detail)
-
-
-def _gradient(g: sp.Expr, forces: Sequence[sp.Symbol]) -> tuple[sp.Expr, ...]:
-    return tuple(sp.diff(g, x) for x in forces)
+    if any(face.flow is not None for face in subject.simple.faces) and (known := parallel(subject)):
+        yield _offered("parallel", "the flow is a non-negative multiple of grad g wherever g = 0, and K is convex", known)
 
 
 def _square(vector: Sequence[sp.Expr]) -> sp.Expr:
     return sp.Add(*(d**2 for d in vector))
-
-
-def _dot(one: Sequence[sp.Expr], two: Sequence[sp.Expr]) -> sp.Expr:
-    return sp.Add(*(a * b for a, b in zip(one, two, strict=True)))
-
-
-def _minors(one: Sequence[sp.Expr], two: Sequence[sp.Expr]) -> list[sp.Expr]:
-    """The components of their vector product."""
-    return [one[i] * two[j] - one[j] * two[i] for i, j in combinations(range(len(one)), 2)]
 
 
 def dissipation_by_shares(subject: FormulaSubject) -> Iterator[Evidence]:

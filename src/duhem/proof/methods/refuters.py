@@ -20,7 +20,6 @@ from duhem.expression.abbreviations import names_in
 from duhem.expression.number import DECIMAL, fraction, rational
 from duhem.law.domain import POSITIVE
 from duhem.law.formula_law import Criterion
-from duhem.proof.decide import Sense
 from duhem.proof.facts.formula_subject import FormulaSubject, RateSubject
 from duhem.proof.facts.graph_subject import GraphSubject
 from duhem.proof.facts.plane_section import PlaneSection
