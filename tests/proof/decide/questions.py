@@ -17,10 +17,9 @@ import sympy as sp
 from duhem.expression import Neg, Norm, Pos, Where, symbol
 from duhem.expression.number import rational
 from duhem.proof.decide import Question, Sense
-from duhem.proof.decide.smt import Relation, System
 from tests.proof.decide.truth import Point, UnsuitedError, violated
 
-__all__ = ["GOALS", "SYMBOLS", "Violated", "as_system", "in_a_box", "is_polynomial", "true_ones", "violated_ones"]
+__all__ = ["GOALS", "SYMBOLS", "Violated", "in_a_box", "true_ones", "violated_ones"]
 
 SYMBOLS = tuple(symbol(name) for name in "xyz")
 N, P, Z = Sense.NONNEGATIVE, Sense.POSITIVE, Sense.ZERO
@@ -200,7 +199,7 @@ def violated_ones(seed: str, count: int, kind: str, most: int = 3) -> Iterator[V
                 x = rng.choice(symbols)
                 given += rng.choice(_HYPOTHESES)(near, x, rational(at[x]), rng.randint(1, 2))
             expr, sense = rng.choice(GOALS[kind])(near)
-            question = Question(expr, sense, tuple(r for r in given if r is not sp.true), circle)
+            question = Question(expr, sense, (*(r for r in given if r is not sp.true), *((sp.Eq(circle[0] ** 2 + circle[1] ** 2, 1),) if circle else ())))
             usable = not any(e.has(sp.nan, sp.zoo, sp.I) for e in (expr, *given)) and violated(question, at)
         except (UnsuitedError, ValueError):  # the value is no fraction; max(1, zoo)
             continue
@@ -212,7 +211,7 @@ def violated_ones(seed: str, count: int, kind: str, most: int = 3) -> Iterator[V
 def in_a_box(question: Question, symbols: Iterable[sp.Symbol], by: int = 2) -> Question:
     """The same within a box, on whose boundary the point may lie."""
     box = tuple(r for x in symbols for r in (sp.Ge(x, -by), sp.Le(x, by)))
-    return Question(question.expr, question.sense, (*question.given, *box), question.circle)
+    return Question(question.expr, question.sense, (*question.given, *box))
 
 
 def true_ones(seed: str, count: int, most: int = 3) -> Iterator[Question]:
@@ -259,18 +258,3 @@ def _contradictory(f: Near) -> tuple[sp.Basic | Sense, ...]:
 
 
 _TRUE = (_certified, _squares, _pinned, _contradictory)
-
-
-def is_polynomial(question: Question) -> bool:
-    """Whether nothing has to be cleared or opened."""
-    return all(side.is_polynomial(*SYMBOLS) for side in (question.expr, *(s for r in question.given for s in r.args)))
-
-
-def as_system(question: Question) -> System:
-    """A question about polynomials as one of the polynomial deciders: nothing is cleared, and only the circle is added."""
-    given = [Relation(sp.expand((r.lhs - r.rhs) * (-1 if "<" in r.rel_op else 1)), r.rel_op.replace("<", ">")) for r in question.given]
-    if question.circle is not None:
-        given.append(Relation(question.circle[0] ** 2 + question.circle[1] ** 2 - 1, "=="))
-    symbols = set(question.circle or ()).union(question.expr.free_symbols, *(r.free_symbols for r in question.given))
-    goal = Relation(sp.expand(question.expr), question.sense.value)
-    return System(goal, tuple(given), (), tuple(sorted(symbols, key=str)))

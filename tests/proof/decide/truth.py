@@ -10,9 +10,8 @@ import sympy as sp
 
 from duhem.expression import Neg, Norm, Pos, Where
 from duhem.proof.decide import Question, Sense
-from duhem.proof.decide.smt import Relation, System
 
-__all__ = ["Point", "UndefinedError", "UnsuitedError", "holds", "system_violated", "value", "violated"]
+__all__ = ["Point", "UndefinedError", "UnsuitedError", "holds", "value", "violated"]
 
 Point = Mapping[sp.Symbol, Fraction]
 
@@ -104,24 +103,9 @@ def _compared(gap: Fraction, op: str) -> bool:
 
 def violated(question: Question, at: Point) -> bool:
     """Whether no hypothesis fails at the point, and the expression is undefined or not as wanted."""
-    if question.circle is not None and sum((at[x] ** 2 for x in question.circle), Fraction(0)) != 1:
-        return False
     if not all(_holds_where_defined(r, at) for r in question.given):
         return False
     try:
         return not _compared(value(question.expr, at), Sense(question.sense).value)
     except UndefinedError:
         return True
-
-
-def system_violated(system: System, at: Point) -> bool:
-    """Whether all hypotheses of a polynomial question hold at the point and the goal, or that of an obligation, does not."""
-    return _fails(system, at) or any(_fails(o, at) for o in system.obligations)
-
-
-def _fails(system: System, at: Point) -> bool:
-    return all(_true(r, at) for r in system.given) and not _true(system.goal, at)
-
-
-def _true(relation: Relation, at: Point) -> bool:
-    return _compared(value(sp.sympify(relation.poly), at), relation.op)

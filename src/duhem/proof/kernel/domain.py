@@ -321,6 +321,9 @@ class StatedDomain:
                 return _inverse(base, -n)
         if term.op == "**" and self.constant(term) and self.polynomial(term.args[0]) == ONE:
             return ONE  # whatever the power
+        if term.args and not term.names():  # of numbers, whose quotients have one spelling
+            values = [number_in(self.polynomial(a)) for a in term.args]
+            term = term._replace(args=tuple(a if x is None else number(x) for a, x in zip(term.args, values, strict=True)))
         return {((term, 1),): Fraction(1)}
 
     def _root_of_square(self, base: Term, exponent: Term) -> Term | None:

@@ -13,7 +13,7 @@ from typing import Any
 
 import sympy as sp
 
-from duhem.expression import Norm, Where
+from duhem.expression import UNDEFINED, Norm, Where
 from duhem.expression.dimensions import degree
 from duhem.expression.parse import parse_expression
 from duhem.expression.text import formula
@@ -193,13 +193,20 @@ def dissipation_of_potential(subject: FormulaSubject) -> Iterator[Evidence]:
     power = {part: k * c for part, c in parts.items() if (k := degrees[part]) is not None}
     told = ", ".join(map(str, sorted({k for k in degrees.values() if k is not None})))
     detail = f"the potential has parts of degree {told} in the forces, so force . flow >= 0 wherever g = 0"
-    for share in _shares(power, g):
+    for share in (*_shares(power, g), *_share_at_equal_forces(power, g, problem.forces)):
         yield _offered("potential", detail, {"share": formula(_in_pressure(subject, share))})
 
 
 def _shares(power: Terms, g: Terms) -> list[sp.Expr]:
     """Constants c with which power - c g has no term of some part; first 0."""
     return [*dict.fromkeys([sp.S.Zero, *(sp.cancel(power.get(part, sp.S.Zero) / c) for part, c in g.items() if part != 1)])]
+
+
+def _share_at_equal_forces(power: Terms, g: Terms, forces: Sequence[sp.Symbol]) -> list[sp.Expr]:
+    """The constant c with which power - c g does not change along equal forces, as those of Mohr and Coulomb do to their apex."""
+    equal = dict.fromkeys(forces, sp.S.One)
+    over, under = (sp.Add(*(c * part.xreplace(equal) for part, c in terms.items() if part != 1)) for terms in (power, g))
+    return [] if under == 0 or (over / under).has(*UNDEFINED) else [sp.cancel(over / under)]
 
 
 def _by_forces(expr: sp.Expr, forces: Sequence[sp.Symbol]) -> Terms:
