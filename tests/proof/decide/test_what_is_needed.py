@@ -93,17 +93,3 @@ def test_what_a_formula_needs(expr: sp.Expr, needs: list[Row]) -> None:
 )
 def test_needs_as_they_are_told(kind: type[sp.Basic], args: tuple[sp.Expr, ...], needs: list[Obligation]) -> None:
     assert list(obligations(kind(*args, evaluate=False))) == needs
-
-
-def test_what_is_no_longer_shown_is_asked_about() -> None:
-    """By every form that is looked at, under the hypotheses and that of its own branch."""
-    given = (sp.Gt(y, 0),)
-    question = Question(sp.sqrt(y) / x + Where(UP, sp.log(x), 1), P, given, (x, y))
-    root, quotient, log = (Question(e, s, g) for e, s, g in ((y, N, ()), (x**2, P, ()), (x, P, (UP,))))
-    assert question.hidden([question.expr]) == question.hidden([question.expr, question.expr]) == ()
-    assert asked(question.hidden([sp.S.One])) == {root, quotient, log}
-    assert question.hidden([sp.S.One, question.expr]) == question.hidden([sp.S.One])
-    assert asked(question.hidden([sp.sqrt(y) + 1 / x])) == {log}
-    assert asked(question.hidden([sp.sqrt(y) + 1 / x, sp.sqrt(y)])) == {quotient, log}
-    twice = Question(1 / x + sp.Abs(1 / x), P)
-    assert asked(twice.hidden([sp.S.One])) == {Question(x**2, P)}
