@@ -114,55 +114,6 @@ def test_a_word_is_read_verified_and_projected(with_word: Tree) -> None:
     assert found["stress"] == pytest.approx([0.1 * math.erf(1.5), 0.0], abs=1e-12)
 
 
-# -- a decider: one file and one row -----------------------------------------------------------------------------------
-
-DECIDER = '''\
-"""A form a x^2 + b x y + c y^2 is not negative if a >= 0, c >= 0 and b^2 <= 4 a c."""
-
-import sympy as sp
-
-from duhem.proof.decide.question import Answer, Budget
-from duhem.proof.decide.smt import System
-
-__all__ = ["by_discriminant"]
-
-
-def by_discriminant(system: System, budget: Budget) -> Answer:
-    """Prove that a quadratic form in two variables is not negative."""
-    names = sorted(system.goal.poly.free_symbols, key=str)
-    form = sp.Poly(system.goal.poly, *names)
-    if system.goal.op == ">=" and len(names) == 2 and all(sum(powers) == 2 for powers in form.monoms()):
-        a, b, c = (form.coeff_monomial(m) for m in (names[0] ** 2, names[0] * names[1], names[1] ** 2))
-        if a >= 0 and c >= 0 and b**2 <= 4 * a * c:
-            return Answer(True, "discriminant")
-    return Answer(None, "discriminant")
-'''
-ASKED = """\
-import sympy as sp
-from duhem.proof.decide import Question, Sense, decide
-x, y = sp.symbols("x y", real=True)
-for expr in (x**2 - 2*x*y + 2*y**2, x**4 - 2*x**2*y + 2*y**2 - x*y + 1):
-    answer = decide(Question(expr, Sense.NONNEGATIVE))
-    print(answer.holds, answer.method)
-"""
-
-
-def test_a_decider_is_asked_and_the_next_one_where_it_passes(tmp_path: Path) -> None:
-    tree = Tree.copied(tmp_path)
-    before = tree.run("-c", ASKED).split()
-    tree.write("src/duhem/proof/decide/discriminant.py", DECIDER)
-    tree.insert(
-        "src/duhem/proof/decide/__init__.py",
-        "from duhem.proof.decide.question import",
-        "from duhem.proof.decide.discriminant import by_discriminant",
-    )
-    tree.enter("src/duhem/proof/decide/__init__.py", "POLYNOMIAL_DECIDERS", "by_discriminant")
-    after = tree.run("-c", ASKED).split()
-    assert before[::2] == after[::2] == ["True", "True"]
-    assert "discriminant" not in before
-    assert after[1] == "discriminant" and after[3] == before[3]
-
-
 # -- a rule of the kernel: one file and one row ------------------------------------------------------------------------
 
 RULE = '''\

@@ -20,6 +20,7 @@ from duhem.law.atlas.entry import groups
 from duhem.proof.claims import CLAIMS, ProofMethod
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.verdict import ClaimResult
+from tests.oracles.prover.decide import AskedSubject
 from tests.oracles.prover.table import PROVERS
 
 __all__ = ["Opinion", "opinions"]
@@ -51,7 +52,7 @@ def opinions(name: str, law: Criterion) -> Iterator[Opinion]:
         if (claim := result.claim) == "state_laws":
             continue
         refuter = prover = ""
-        subject = FormulaSubject(law)
+        subject = AskedSubject(law)
         subject.check_defined()
         if result.verdict is Verdict.PROVED:
             refuter = _refuted(claim, subject)

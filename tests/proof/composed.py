@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from duhem import Criterion
 from duhem.proof.certificate import law_as_text
-from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.kernel.bounds import Facts
 from duhem.proof.kernel.curvature import over
 from duhem.proof.kernel.stated_law import StatedLaw
 from tests.oracles.prover.curvature import curvature
+from tests.oracles.prover.decide import AskedSubject
 
 __all__ = ["by_kernel", "by_prover"]
 
@@ -21,6 +21,6 @@ def by_kernel(criterion: Criterion) -> Facts:
 
 def by_prover(criterion: Criterion) -> bool:
     """Whether the prover shows g quasiconvex."""
-    subject = FormulaSubject(criterion)
+    subject = AskedSubject(criterion)
     subject.allow(20_000_000)
     return curvature(subject.simple.g, subject).quasiconvex

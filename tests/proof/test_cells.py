@@ -9,9 +9,9 @@ import pytest
 import sympy as sp
 
 from duhem.expression import symbol
-from duhem.proof.decide.question import Answer, Budget
-from duhem.proof.decide.smt import Relation, System, by_smt
+from duhem.proof.decide import Answer, Budget
 from tests.long import long_but
+from tests.oracles.prover.decide import Relation, System, by_smt
 
 x, y = symbol("x"), symbol("y")
 

@@ -25,6 +25,7 @@ from duhem.proof.methods import refuters
 from tests.long import mostly_long
 from tests.oracles.prover import composition
 from tests.oracles.prover.curvature import curvature
+from tests.oracles.prover.decide import AskedSubject
 from tests.oracles.prover.shape import Curvature
 
 cp = pytest.importorskip("cvxpy")
@@ -75,7 +76,7 @@ EVERY_RUN = LAWS[: 8 - FORMULAS]  # the built-in laws and eight formulas
 
 @cache
 def _subject(name: str) -> FormulaSubject:
-    subject = FormulaSubject(_generated(name) if name.startswith("formula-") else load_formula(name))
+    subject = AskedSubject(_generated(name) if name.startswith("formula-") else load_formula(name))
     subject.allow(20_000_000)
     return subject
 
@@ -167,4 +168,4 @@ def test_our_rules_know_whatever_cvxpy_knows() -> None:
 def test_a_norm_is_one_whatever_the_length_of_its_exponents(p: str, root: str, convex: bool) -> None:
     """p r = 1 is reckoned with, though SymPy is kept from combining such numbers."""
     law = Criterion(name="norm", g=f"(abs(a + b)**({p}) + abs(3*b)**({p}))**({root}) - 1", forces=("a", "b"), pressure=None)
-    assert curvature(law.g, FormulaSubject(law)).convex == convex
+    assert curvature(law.g, AskedSubject(law)).convex == convex

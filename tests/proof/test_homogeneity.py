@@ -6,12 +6,12 @@ import pytest
 
 from duhem import Criterion, Domain, verify
 from duhem.proof.certificate import law_as_text
-from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.kernel.certificate import stated
 from duhem.proof.kernel.claims import objection
 from duhem.proof.verdict import Trust, Verdict
 from tests.long import long_but
 from tests.oracles.prover import degrees
+from tests.oracles.prover.decide import AskedSubject
 
 POSITIVE = Domain(positive=True)
 
@@ -35,13 +35,13 @@ def checked(one):
 )
 def test_what_rises_outward_by_its_degrees(g):
     one = law(g, k=POSITIVE)
-    found = degrees.dissipation(FormulaSubject(one))
+    found = degrees.dissipation(AskedSubject(one))
     assert found is not None and found.verdict is Verdict.PROVED and checked(one)
 
 
 @pytest.mark.parametrize("g", ["(a**2 + b**2 + c**2)**2 - norm(a, b, c)", "a**2 + b**2 + c**2 - a"])
 def test_at_zero_force_the_power_is_zero_anyway(g):
-    assert degrees.dissipation(FormulaSubject(law(g))) is not None
+    assert degrees.dissipation(AskedSubject(law(g))) is not None
 
 
 @pytest.mark.parametrize(
@@ -56,7 +56,7 @@ def test_at_zero_force_the_power_is_zero_anyway(g):
     ],
 )
 def test_what_only_looks_so(one):
-    assert degrees.dissipation(FormulaSubject(one)) is None and not checked(one)
+    assert degrees.dissipation(AskedSubject(one)) is None and not checked(one)
 
 
 LOADED = "norm(a, b) - k*(1 - exp(-m*abs(sigma_n)/k))"
@@ -101,7 +101,7 @@ CONE = "max(-a, -b, -c, (a + b + c)*(a*b + b*c + c*a) - k*a*b*c)"  # Matsuoka, N
 )
 def test_the_normals_of_a_cone_are_across_the_force(g):
     one = law(g, k=POSITIVE)
-    found = degrees.dissipation(FormulaSubject(one))
+    found = degrees.dissipation(AskedSubject(one))
     assert found is not None and found.verdict is Verdict.PROVED and checked(one)
 
 
@@ -117,4 +117,4 @@ def test_the_normals_of_a_cone_are_across_the_force(g):
     ],
 )
 def test_what_only_looks_like_a_cone(one):
-    assert degrees.dissipation(FormulaSubject(one)) is None and not checked(one)
+    assert degrees.dissipation(AskedSubject(one)) is None and not checked(one)

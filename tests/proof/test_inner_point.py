@@ -9,10 +9,10 @@ import flint
 import pytest
 
 from duhem import Criterion
-from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.search.identities import Blocks, inner_point
 from tests.campaigns.polynomials import forms
 from tests.oracles.prover import convex_sums
+from tests.oracles.prover.decide import AskedSubject
 
 F = Fraction
 
@@ -75,7 +75,7 @@ NEAR = (  # a share of 1e-9 of the way out of the convex ones is left; the depth
 
 def test_a_law_in_whose_margin_a_solver_drowns() -> None:
     law = Criterion(name="near", g=NEAR, forces=("sx", "sy", "t"), pressure=None)
-    assert convex_sums.convexity(FormulaSubject(law)) is not None
+    assert convex_sums.convexity(AskedSubject(law)) is not None
 
 
 @pytest.mark.long
@@ -83,4 +83,4 @@ def test_the_same_in_four_forces() -> None:
     """In skew coordinates, where no change of units helps."""
     trial = next(islice(forms(20, 1), 19, None))
     assert (trial.family, trial.margin) == ("degree 4, 4 forces", "below 1e-9")
-    assert convex_sums.convexity(FormulaSubject(trial.law)) is not None
+    assert convex_sums.convexity(AskedSubject(trial.law)) is not None

@@ -12,13 +12,14 @@ import pytest
 from duhem import Criterion, Domain, Verdict, verify
 from duhem.law.criterion_file import reads
 from duhem.proof.facts.formula_subject import FormulaSubject
-from duhem.proof.methods import evidence, refuters
+from duhem.proof.methods import refuters
 from duhem.proof.search import boundary_identities
 from duhem.proof.search.boundary_points import BoundaryScout, scouts
 from duhem.proof.verdict import Evidence, Proof, Witness
 from duhem.proof.witness.points import EnclosedPoint
 from tests.long import long_at, long_but
-from tests.oracles.prover import parallel
+from tests.oracles.prover import on_boundary, parallel
+from tests.oracles.prover.decide import AskedSubject
 from tests.oracles.reevaluation import confirmed
 
 A_B, DISC = ("a", "b"), "a**2 + b**2 - 1"
@@ -30,7 +31,7 @@ def subject(
 ) -> FormulaSubject:
     parameters = {name: of.pop(name) for name in ("q", "m") if name in of}
     law = Criterion("law", g, forces=tuple(forces), pressure=pressure, flow=slip and tuple(slip), parameters=parameters, **of)
-    return FormulaSubject(law)
+    return AskedSubject(law)
 
 
 def floats(point: Any, names: Sequence[str] = A_B) -> list[float]:
@@ -263,7 +264,7 @@ def test_what_shows_that_a_flow_is_parallel() -> None:
     for slip in (A_B, ("a*(1 + abs(b))", "b*(1 + abs(b))")):
         known = parallel.normality(subject(DISC, slip))
         assert known is not None and known.proof is not None and set(known.proof.evidence) == {"along", "across"}
-        assert evidence.normality_parallel(subject(DISC, slip), {"convexity": Evidence(Verdict.TESTED, "", "")}) is None
+        assert on_boundary.normality_parallel(subject(DISC, slip), {"convexity": Evidence(Verdict.TESTED, "", "")}) is None
 
 
 @pytest.mark.parametrize("slip", [("-b", "b - m*a"), ("b - m*a", "-b")])
@@ -281,7 +282,7 @@ def test_of_two_surfaces_each_flow_counts() -> None:
     )
     for slips, normal in ((("a", "b", "1", "0"), True), (("a", "b", "1", "1/9"), False), (("a", "2*b", "1", "0"), False)):
         law = reads(text.format(*slips))
-        assert (parallel.normality(FormulaSubject(law)) is not None) is normal  # type: ignore[arg-type]
+        assert (parallel.normality(AskedSubject(law)) is not None) is normal  # type: ignore[arg-type]
 
 
 def test_a_centre_is_inside_at_the_same_parameters() -> None:
@@ -345,5 +346,5 @@ def test_a_flow_is_refuted_where_zero_force_is_the_apex_of_a_cone(angle: str) ->
     """A point of the boundary, drawn towards the apex, stays on it; drawn towards a point inside it lies in K."""
     cone = f"abs(a*cos({angle}) + b*sin({angle})) + (b*cos({angle}) - a*sin({angle}))/2"
     law = Criterion("cone", cone, {}, forces=A_B, pressure=None, flow=(f"sign(a)*cos({angle})", f"sign(a)*sin({angle})"))
-    found = refuters.normality_at_points(FormulaSubject(law))
+    found = refuters.normality_at_points(AskedSubject(law))
     assert found is not None and found.witness is not None and confirmed(law, "normality", found.witness)

@@ -16,6 +16,7 @@ from duhem.proof.verdict import Evidence, Proof
 from tests.long import long_but
 from tests.oracles.prover import composition, convex_sums, degrees, polar, rounded, state_laws
 from tests.oracles.prover import evaluation as evaluated
+from tests.oracles.prover.decide import AskedSubject
 
 UNIT = Domain.between(0, 1)
 Method = Callable[[FormulaSubject], Evidence | None]
@@ -25,7 +26,7 @@ a, b = sp.symbols("a b", real=True)
 
 def subject(g: str, forces: Sequence[str] = A_B, pressure: str | None = None, **law: Any) -> FormulaSubject:
     parameters = {name: law.pop(name) for name in ("q", "m") if name in law}
-    return FormulaSubject(Criterion("law", g, forces=tuple(forces), pressure=pressure, parameters=parameters, **law))
+    return AskedSubject(Criterion("law", g, forces=tuple(forces), pressure=pressure, parameters=parameters, **law))
 
 
 def told(found: Evidence | None) -> tuple[str, str, str, Mapping[str, Any]] | None:

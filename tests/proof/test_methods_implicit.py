@@ -15,7 +15,8 @@ from duhem.proof.methods import evidence
 from duhem.proof.verdict import Evidence
 from tests.long import long_but
 from tests.oracles.prover import boundary as implicit
-from tests.oracles.prover import polyhedral
+from tests.oracles.prover import on_boundary, polyhedral
+from tests.oracles.prover.decide import AskedSubject
 
 CASSINI = "(a**2 + b**2)**2 - 2*(a**2 - b**2)"  # less e**2 - 1: convex for e >= 2
 a, b, c = sp.symbols("a b c", real=True)
@@ -24,10 +25,15 @@ a, b, c = sp.symbols("a b c", real=True)
 def subject(
     g: str, forces: str = "ab", flow: Sequence[str] | None = None, parameters: Mapping[str, Domain] | None = None
 ) -> FormulaSubject:
-    return FormulaSubject(Criterion("law", g, forces=tuple(forces), pressure=None, flow=flow and tuple(flow), parameters=parameters or {}))
+    return AskedSubject(Criterion("law", g, forces=tuple(forces), pressure=None, flow=flow and tuple(flow), parameters=parameters or {}))
 
 
-METHODS = {"c": implicit.convexity, "s": evidence.smoothness_on_boundary, "d": evidence.dissipation_on_boundary, "h": implicit.hessian}
+METHODS = {
+    "c": implicit.convexity,
+    "s": on_boundary.smoothness_on_boundary,
+    "d": on_boundary.dissipation_on_boundary,
+    "h": implicit.hessian,
+}
 TWO: dict[str, str] = {  # by which methods it is proved: convexity, smoothness, dissipation, that g is convex
     "a**2 + b**2 - 1": "csdh",
     "a**2 + 2*b**2 + b - 1": "csdh",
@@ -111,7 +117,7 @@ def test_polygons_with_corners_outward_and_inward(turn: tuple[int, int, int, int
     u, v = f"abs({i}*a + {j}*b + a/7)", f"abs({k}*a + {m}*b)"
     for t, convex in (("1/4", True), ("2", False)):
         law = subject(f"max({u}, {v}) + {t}*min({u}, {v}) - 1")
-        assert [method(law) is not None for method in (implicit.convexity, evidence.smoothness_on_boundary)] == [convex, False]
+        assert [method(law) is not None for method in (implicit.convexity, on_boundary.smoothness_on_boundary)] == [convex, False]
         assert (polyhedral.convexity(law) is not None) is convex
 
 
@@ -146,12 +152,12 @@ def test_what_they_say() -> None:
         ),
         (Verdict.PROVED, "implicit-curvature", "K is an interval: star-shaped about 0 on a line"),
     ]
-    smooth = evidence.smoothness_on_boundary(round_), evidence.smoothness_on_boundary(joined)
+    smooth = on_boundary.smoothness_on_boundary(round_), on_boundary.smoothness_on_boundary(joined)
     assert [f and (f.method, f.detail) for f in smooth] == [
         ("regular-value (smt-z3)", "grad g != 0 wherever g = 0"),
         ("regular-value (smt-z3)", "grad g != 0 wherever g = 0, with one direction on both sides of each seam"),
     ]
-    power = evidence.dissipation_on_boundary(kinked)
+    power = on_boundary.dissipation_on_boundary(kinked)
     assert power is not None and (power.method, power.detail) == ("boundary-power (sign-rules, smt-z3)", "force . flow >= 0 wherever g = 0")
     plain = implicit.hessian(kinked)
     assert plain is not None and (plain.method, plain.proof) == ("hessian (sign-rules)", None)
@@ -180,13 +186,13 @@ def test_at_the_ends_of_a_range(low: str, proved: str) -> None:
     ],
 )
 def test_the_power_of_a_flow_of_its_own(flow: Sequence[str], proved: bool) -> None:
-    assert (evidence.dissipation_on_boundary(subject("a**2 + b**2 - 1", flow=flow)) is not None) is proved
+    assert (on_boundary.dissipation_on_boundary(subject("a**2 + b**2 - 1", flow=flow)) is not None) is proved
 
 
 def test_too_many_branches() -> None:
     eight, sixteen = subject("abs(a) + abs(b) + abs(a - b) - 1"), subject("abs(a) + abs(b) + abs(a - b) + abs(a + b) - 1")
     assert implicit.hessian(eight) is not None
-    assert [method(sixteen) for method in (implicit.hessian, implicit.convexity, evidence.smoothness_on_boundary)] == [None] * 3
+    assert [method(sixteen) for method in (implicit.hessian, implicit.convexity, on_boundary.smoothness_on_boundary)] == [None] * 3
 
 
 def test_the_second_derivative_along_a_tangent() -> None:
@@ -302,5 +308,5 @@ def test_polyhedra_have_no_parameters() -> None:
     ],
 )
 def test_the_size_of_g_does_not_matter_at_a_kink(body: str, convex: bool, size: str) -> None:
-    law = FormulaSubject(Criterion("law", f"({body})*({size})", {}, forces=("a", "b"), pressure=None))
+    law = AskedSubject(Criterion("law", f"({body})*({size})", {}, forces=("a", "b"), pressure=None))
     assert (implicit.convexity(law) is not None) is convex

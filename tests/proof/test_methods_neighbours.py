@@ -17,6 +17,7 @@ from duhem.proof.verdict import Proof
 from tests.long import long_at
 from tests.oracles.prover import composition, convex_sums, degrees, power_share, rounded
 from tests.oracles.prover import evaluation as evaluated
+from tests.oracles.prover.decide import AskedSubject
 from tests.oracles.prover.regularity import regularity
 from tests.proof.test_power_share import dilatant
 
@@ -25,7 +26,7 @@ UNIT, BEYOND = Domain.between(0, 1), Domain.between(1, 2)
 
 def subject(g: str, forces: str = "ab", pressure: str | None = None, **law: Any) -> FormulaSubject:
     parameters = {name: law.pop(name) for name in ("q", "m") if name in law}
-    return FormulaSubject(Criterion("law", g, forces=tuple(forces), pressure=pressure, parameters=parameters, **law))
+    return AskedSubject(Criterion("law", g, forces=tuple(forces), pressure=pressure, parameters=parameters, **law))
 
 
 OVAL = "(a**2 + a*b + b**2)"  # its matrix is positive, its squares are not those of a and b alone
@@ -281,7 +282,7 @@ def test_roots_as_letters() -> None:
 
 
 def test_what_is_said_of_a_share_of_the_power() -> None:
-    found = power_share.dissipation(FormulaSubject(dilatant(alpha=Domain.fixed("0.2"), beta=Domain.fixed("0.05"))))
+    found = power_share.dissipation(AskedSubject(dilatant(alpha=Domain.fixed("0.2"), beta=Domain.fixed("0.05"))))
     assert found is not None and found.verdict is Verdict.PROVED and found.method == "power-share (sign-rules)"
     assert found.detail.startswith("force . flow = 1/4*g + ") and found.detail.endswith("wherever g = 0, also in the limit at an apex")
     assert found.proof is not None and found.proof.rule == "power-share" and found.proof.evidence["share"] == "1/4"
@@ -390,7 +391,7 @@ def test_dents_of_what_is_no_polynomial(g: str, dented: bool) -> None:
 @pytest.mark.parametrize("g", ["atan(norm(a, b)) - e", "exp(norm(a, b)) + a - 1", "sin(norm(a, b)) + a/2", "tanh(norm(a, b) + a) - e/2"])
 def test_a_tip_under_another_word_is_not_off_the_boundary(g: str) -> None:
     """At a = b = 0 it is there, for e = 0; what the words give for a mark that is then put to 0 is not asked."""
-    of = FormulaSubject(
+    of = AskedSubject(
         Criterion("law", g, {"e": Domain(low=0, high=1)} if "e/2" in g or "- e" in g else {}, forces=("a", "b"), pressure=None)
     )
     (tip,) = regularity(of.simple.g, of).tips

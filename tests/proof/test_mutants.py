@@ -15,21 +15,21 @@ from typing import Any
 import pytest
 import sympy as sp
 
-import duhem.proof.decide as deciders_module
 import duhem.proof.facts.subject as subject_module
 import duhem.proof.methods.refuters as refuters_module
 import duhem.proof.statement as problem_module
 import duhem.proof.witness.points as witness_module
 import tests.oracles.prover.boundary as implicit
 import tests.oracles.prover.curvature as curvature_module
+import tests.oracles.prover.decide as deciders_module
 import tests.oracles.prover.polar as polar
 from duhem import POSITIVE, Criterion, Verdict, Witness, load, verify
 from duhem.proof.claims import CLAIMS as CLAIMS_BY_NAME
 from duhem.proof.claims import ProofMethod
-from duhem.proof.decide import Answer, Budget, Question, Sense, decide
-from duhem.proof.decide.smt import Relation, System
+from duhem.proof.decide import Answer, Question, Sense, decide
 from duhem.proof.facts.formula_subject import FormulaSubject
 from tests.long import mostly_long
+from tests.oracles.prover.decide import AskedSubject, Relation, System
 from tests.oracles.prover.polar_form import PolarForm
 from tests.oracles.prover.regularity import Regularity
 from tests.oracles.prover.table import PROVERS
@@ -278,7 +278,7 @@ def _answered(row: Row) -> str | None:
 
 def _answered_elsewhere(row: Row) -> str | None:
     """The same of the second opinion and of the methods that are not the kernel's, which its proofs leave nothing to say in ``verify``."""
-    subject = FormulaSubject(row.law)
+    subject = AskedSubject(row.law)
     subject.check_defined()
     others = [m.run for m in CLAIMS_BY_NAME[row.claim].methods if isinstance(m, ProofMethod) and m.takes is FormulaSubject]
     decided = set[Verdict]()
@@ -295,7 +295,7 @@ def _answered_elsewhere(row: Row) -> str | None:
 
 def _apart() -> str | None:
     """The scouts never let such a claim reach this method."""
-    return None if implicit.convexity(FormulaSubject(_law(APART))) is None else "two disks apart: convexity proved"
+    return None if implicit.convexity(AskedSubject(_law(APART))) is None else "two disks apart: convexity proved"
 
 
 def _below_zero() -> str | None:
@@ -326,17 +326,20 @@ Patch = Callable[[pytest.MonkeyPatch], None]
 
 def _deciding(change: Callable[[Question, Answer], Answer]) -> Patch:
     def patch(monkeypatch: pytest.MonkeyPatch) -> None:
+        asked = AskedSubject.decided
         monkeypatch.setattr(subject_module, "decide", lambda question, budget=None: change(question, decide(question, budget)))
+        monkeypatch.setattr(AskedSubject, "decided", lambda subject, question: change(question, asked(subject, question)))
 
     return patch
 
 
 def _strictness_lost(monkeypatch: pytest.MonkeyPatch) -> None:
-    def weaker(question: Question, budget: Budget | None = None) -> Answer:
-        sense = Sense.NONNEGATIVE if question.sense is Sense.POSITIVE else question.sense
-        return decide(Question(question.expr, sense, question.given, question.circle), budget)
+    def weaker(question: Question) -> Question:
+        return replace(question, sense=Sense.NONNEGATIVE if question.sense is Sense.POSITIVE else question.sense)
 
-    monkeypatch.setattr(subject_module, "decide", weaker)
+    asked = AskedSubject.decided
+    monkeypatch.setattr(subject_module, "decide", lambda question, budget=None: decide(weaker(question), budget))
+    monkeypatch.setattr(AskedSubject, "decided", lambda subject, question: asked(subject, weaker(question)))
 
 
 def _hypotheses_negated(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -416,7 +419,7 @@ MUTATIONS: dict[str, Patch] = {
     "everything proved": _deciding(lambda question, answer: Answer(True, "mutant")),
     "unknown taken for proved": _deciding(lambda question, answer: Answer(True, "mutant") if answer.holds is None else answer),
     "false taken for proved": _deciding(lambda question, answer: Answer(True, "mutant") if answer.holds is False else answer),
-    "proved taken for false": _deciding(lambda question, answer: Answer(False, "mutant", {}) if answer.holds is True else answer),
+    "proved taken for false": _deciding(lambda question, answer: Answer(False, "mutant") if answer.holds is True else answer),
     "equalities not looked at": _deciding(lambda question, answer: Answer(True, "mutant") if question.sense is Sense.ZERO else answer),
     "strict signs taken for weak ones": _strictness_lost,
     "branches looked at on the wrong side": _hypotheses_negated,

@@ -16,6 +16,7 @@ from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.methods.refuters import convexity_at_far_points
 from tests.long import long_but
 from tests.oracles.prover.curvature import convex_in_its_region
+from tests.oracles.prover.decide import AskedSubject
 from tests.oracles.reevaluation import confirmed
 
 SHEAR = "2*sqrt(a**2 + 3*b**2) - 4"  # |a + b| <= 4/sqrt(3) on it, |a| <= 2, |b| <= 2/sqrt(3)
@@ -50,7 +51,7 @@ def law(g: str) -> Criterion:
 
 
 def subject(criterion: Criterion) -> FormulaSubject:
-    found = FormulaSubject(criterion)
+    found = AskedSubject(criterion)
     found.allow(4_000_000)
     return found
 

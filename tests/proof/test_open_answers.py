@@ -13,12 +13,12 @@ import pytest
 from duhem import Criterion, Domain, verify
 from duhem.proof.decide import Answer
 from duhem.proof.facts.formula_subject import FormulaSubject
-from duhem.proof.methods import evidence
 from duhem.proof.verdict import Evidence, Verdict
 from tests.long import long_but, mostly_slow
 from tests.oracles.prover import boundary as implicit
-from tests.oracles.prover import degrees, parallel, polar
+from tests.oracles.prover import degrees, on_boundary, parallel, polar
 from tests.oracles.prover import evaluation as evaluated
+from tests.oracles.prover.decide import AskedSubject
 
 Method = Callable[[FormulaSubject], Evidence | None]
 DISC, HALVES, A_B = "a**2 + b**2 - q", "a**2 + b**2 + pos(b)**2 - q", ("a", "b")
@@ -29,9 +29,9 @@ ROWS: list[tuple[Method, str, Sequence[str] | None, int]] = [  # how many of the
     (implicit.convexity, "a**2 + b**2 + c**2 - q", None, 0),
     (implicit.hessian, HALVES, None, 0),
     (implicit.hessian, "abs(a) + exp(b) - 1 - q", None, 0),
-    (evidence.smoothness_on_boundary, HALVES, None, 0),
-    (evidence.dissipation_on_boundary, HALVES, None, 0),
-    (evidence.dissipation_on_boundary, DISC, A_B, 0),
+    (on_boundary.smoothness_on_boundary, HALVES, None, 0),
+    (on_boundary.dissipation_on_boundary, HALVES, None, 0),
+    (on_boundary.dissipation_on_boundary, DISC, A_B, 0),
     (parallel.normality, DISC, A_B, 0),
     (parallel.normality, "a**2 + b**2 + c**2 - q", ("a", "b", "c"), 0),
     (polar.convexity, "norm(a, b) + abs(a)/2 - q", None, 6),  # its arcs are asked by composition first
@@ -48,7 +48,7 @@ ROWS: list[tuple[Method, str, Sequence[str] | None, int]] = [  # how many of the
 )
 def test_no_answer_may_be_missing(method: Method, g: str, slip: Sequence[str] | None, spare: int, monkeypatch: pytest.MonkeyPatch) -> None:
     q = Domain.between("1/2", 1)
-    law = FormulaSubject(Criterion("law", g, {"q": q}, forces=tuple("abc" if "c" in g else "ab"), pressure=None, flow=slip and tuple(slip)))
+    law = AskedSubject(Criterion("law", g, {"q": q}, forces=tuple("abc" if "c" in g else "ab"), pressure=None, flow=slip and tuple(slip)))
     asked, told = 0, dict[int, Answer]()
     ask = FormulaSubject.ask
 

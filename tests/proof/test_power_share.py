@@ -8,12 +8,12 @@ import pytest
 
 from duhem import Criterion, Domain, verify
 from duhem.proof.certificate import law_as_text
-from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.kernel.certificate import stated
 from duhem.proof.kernel.claims import objection
 from duhem.proof.verdict import Trust, Verdict
 from tests.long import long_but, mostly_slow
 from tests.oracles.prover import power_share
+from tests.oracles.prover.decide import AskedSubject
 
 J2 = "((a-b)**2 + (b-c)**2 + (c-a)**2)/6"
 R = "sqrt(a**2 + b**2)"
@@ -59,7 +59,7 @@ def confirmed(law: Criterion, share: str, rest: str) -> bool:
 
 @pytest.mark.parametrize("law", long_but([1, 3, 4], mostly_slow(SHOWN, SHOWN[0])))
 def test_the_power_is_a_share_of_g_and_something_more(law: Criterion) -> None:
-    found = power_share.dissipation(FormulaSubject(law))
+    found = power_share.dissipation(AskedSubject(law))
     assert found is not None and found.proof is not None
     assert not objection("dissipation", "power-share", frozenset(), stated(law_as_text(law)), found.proof.evidence)
 
@@ -67,7 +67,7 @@ def test_the_power_is_a_share_of_g_and_something_more(law: Criterion) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("law", long_but([1, 3, 5, 6, 8], NOT_SHOWN))
 def test_what_only_looks_so(law: Criterion) -> None:
-    assert power_share.dissipation(FormulaSubject(law)) is None
+    assert power_share.dissipation(AskedSubject(law)) is None
 
 
 @pytest.mark.slow

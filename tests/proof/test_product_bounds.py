@@ -7,12 +7,12 @@ import pytest
 from duhem import Criterion, verify
 from duhem.law.domain import POSITIVE, Domain
 from duhem.proof.certificate import law_as_text
-from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.kernel import region
 from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.verdict import Trust, Verdict
 from tests.long import long_but
 from tests.oracles.prover.curvature import convex_in_its_region as region_of
+from tests.oracles.prover.decide import AskedSubject
 
 LADE = "max(-x, -y, -z, (x + y + z)**3 - k*x*y*z)"
 K = {"k": POSITIVE}
@@ -43,7 +43,7 @@ def law(g: str, parameters: dict[str, Domain]) -> Criterion:
 def test_what_is_below_a_product(g: str, parameters: dict[str, Domain], convex: bool) -> None:
     stated = StatedLaw.read(law_as_text(law(g, parameters)))
     assert region.convex_in_its_region(stated) is convex
-    subject = FormulaSubject(law(g, parameters))
+    subject = AskedSubject(law(g, parameters))
     subject.allow(20_000_000)
     assert region_of(subject).quasiconvex is convex
 

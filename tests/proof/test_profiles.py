@@ -9,12 +9,12 @@ import pytest
 from duhem import Criterion, verify
 from duhem.law.domain import POSITIVE, Domain
 from duhem.proof.certificate import law_as_text
-from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.kernel.claims import convexity
 from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.verdict import Trust, Verdict
 from tests.long import long_but
 from tests.oracles.prover.curvature import convex_in_its_region
+from tests.oracles.prover.decide import AskedSubject
 
 DROP = "max(((a - b)/2)**2 - ((a + b)/2)**2*(1 + (a + b)/(2*P)), a + b)"  # Rothrock (1975)
 P = {"P": POSITIVE}
@@ -65,7 +65,7 @@ def by_kernel(criterion: Criterion) -> bool:
 
 
 def by_prover(criterion: Criterion) -> bool:
-    subject = FormulaSubject(criterion)
+    subject = AskedSubject(criterion)
     subject.allow(16_000_000)
     return convex_in_its_region(subject).quasiconvex
 

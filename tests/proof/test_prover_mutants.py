@@ -31,8 +31,9 @@ from duhem.proof.verdict import Evidence, Proof, Trust
 from duhem.proof.verification import Confirmations, Standing
 from tests.long import mostly_long
 from tests.oracles.prover import evaluation as evaluated
-from tests.oracles.prover import parallel
+from tests.oracles.prover import on_boundary, parallel
 from tests.oracles.prover.consequences import by_convexity, by_normality
+from tests.oracles.prover.decide import AskedSubject
 from tests.oracles.prover.polar_form import PolarForm
 from tests.oracles.prover.regularity import Regularity
 
@@ -62,7 +63,7 @@ def after(*settled: str) -> Callable[[Any], Method]:
 
 # -- ways to spoil ----------------------------------------------------------------------------------------------------
 
-_ask = FormulaSubject.ask
+_ask = AskedSubject.ask
 
 
 def asking(change: Callable[..., Answer]) -> Patch:
@@ -72,8 +73,8 @@ def asking(change: Callable[..., Answer]) -> Patch:
         return change(subject, expr, sense, given, circle)
 
     def patch(monkeypatch: pytest.MonkeyPatch) -> None:
-        monkeypatch.setattr(FormulaSubject, "ask", ask)
-        monkeypatch.setattr(FormulaSubject, "nonnegative", lambda subject, x: ask(subject, x, Sense.NONNEGATIVE).holds is True)
+        monkeypatch.setattr(AskedSubject, "ask", ask)
+        monkeypatch.setattr(AskedSubject, "nonnegative", lambda subject, x: ask(subject, x, Sense.NONNEGATIVE).holds is True)
 
     return patch
 
@@ -250,14 +251,14 @@ LIES = (
         "undecided for proved", asking(lambda *q: YES if honest(*q).holds is None else honest(*q)),
         "convexity", implicit.hessian, law("sin(a)**2/1000 + exp(-b**2) - 2"),
     ),
-    Lie("strict signs made weak", asking(weak), "smoothness", evidence.smoothness_on_boundary, CROSS),
+    Lie("strict signs made weak", asking(weak), "smoothness", on_boundary.smoothness_on_boundary, CROSS),
     Lie("equalities not asked", asking(granted(Sense.ZERO)), "smoothness", polar.smoothness, CORNER),
-    Lie("equalities not asked on seams", asking(granted(Sense.ZERO)), "smoothness", evidence.smoothness_on_boundary, CORNERED),
+    Lie("equalities not asked on seams", asking(granted(Sense.ZERO)), "smoothness", on_boundary.smoothness_on_boundary, CORNERED),
     Lie("signs not asked", asking(granted(Sense.POSITIVE, Sense.NONNEGATIVE)), "dissipation", polar.dissipation, OUTSIDE),
     Lie("the sign asked of the opposite", asking(lambda s, e, *q: honest(s, -e, *q)), "origin", evaluated.origin, OUTSIDE),
     Lie("half of the circle asked", asking(only_if(lambda c: sp.Gt(c[0], 0) if c else sp.true)), "convexity", polar.convexity, LIMACON),
     Lie("hypotheses that contradict each other", asking(only_if(lambda c: sp.false)), "convexity", polar.convexity, WAVES),
-    Lie("ends of ranges left out", asking(strict), "smoothness", evidence.smoothness_on_boundary, law("a**2 - b**2 - q", q=UNIT)),
+    Lie("ends of ranges left out", asking(strict), "smoothness", on_boundary.smoothness_on_boundary, law("a**2 - b**2 - q", q=UNIT)),
     Lie(
         "one value of a parameter asked", asking(without_domain),
         "convexity", polar.convexity, law(f"{R}**2 - abs(p)*({R} + e*a)", e=UNIT),
@@ -296,10 +297,10 @@ LIES = (
     Lie("jumps of g not asked", put(FormulaSubject, "continuous", True),
         "convexity", implicit.convexity, law("a**2 + b**2 - where(a > 0, 1, 2)")),
     Lie("the gradient for the flow", put(FormulaSubject, "simple", property(associated)),
-        "dissipation", evidence.dissipation_on_boundary, flowing("a**2 + b**2 - 1", "-a", "-b")),
+        "dissipation", on_boundary.dissipation_on_boundary, flowing("a**2 + b**2 - 1", "-a", "-b")),
     Lie("no gradient, no power", asking(granted(Sense.POSITIVE)),
-        "dissipation", evidence.dissipation_on_boundary, law("pos(norm(a - 2, b) - 1)**2")),
-    Lie("the power not asked", asking(granted(Sense.NONNEGATIVE)), "dissipation", evidence.dissipation_on_boundary, OUTSIDE),
+        "dissipation", on_boundary.dissipation_on_boundary, law("pos(norm(a - 2, b) - 1)**2")),
+    Lie("the power not asked", asking(granted(Sense.NONNEGATIVE)), "dissipation", on_boundary.dissipation_on_boundary, OUTSIDE),
     # composition
     Lie("kinks cancel everywhere", put(Regularity, "cancelling", property(lambda self: True)),
         "smoothness", composition.smoothness, law("norm(abs(a - 1) + abs(b), b) - 3")),
@@ -329,8 +330,8 @@ LIES = (
         "normality", parallel.normality, flowing("a**2 + b**2 - 1", "-a", "-b")),
     Lie("parallel to no gradient", asking(granted(Sense.POSITIVE)),
         "normality", parallel.normality, flowing("pos(norm(a, b) - 1)**2", "b", "-a")),
-    Lie("normal to a K not convex", no_patch, "normality", after()(evidence.normality_parallel), flowing("1 - a**2 - b**2", "-a", "-b"),
-        after("convexity")(evidence.normality_parallel)),
+    Lie("normal to a K not convex", no_patch, "normality", after()(on_boundary.normality_parallel), flowing("1 - a**2 - b**2", "-a", "-b"),
+        after("convexity")(on_boundary.normality_parallel)),
     Lie("associated with a K not convex", no_patch, "normality", after()(by_convexity), DENT, after("convexity")(by_convexity)),
     Lie("dissipation without the origin", no_patch, "dissipation", after("normality")(by_normality), SHIFTED,
         after("origin", "normality")(by_normality)),
@@ -349,10 +350,10 @@ DEAR = (  # of a method whose other lies stay
 @pytest.mark.slow
 @pytest.mark.parametrize("lie", mostly_long(LIES, *(lie for lie in LIES if lie.name not in DEAR)), ids=lambda lie: lie.name)
 def test_a_lie_is_not_confirmed(lie: Lie) -> None:
-    honestly = lie.method(FormulaSubject(lie.law))
+    honestly = lie.method(AskedSubject(lie.law))
     with pytest.MonkeyPatch.context() as monkeypatch:
         lie.patch(monkeypatch)
-        told = (lie.spoilt or lie.method)(FormulaSubject(lie.law))
+        told = (lie.spoilt or lie.method)(AskedSubject(lie.law))
     assert told is not None and told.verdict is Verdict.PROVED
     assert honestly is None or honestly.verdict is not Verdict.PROVED or honestly.detail != told.detail
     confirmations = Confirmations(lie.law)

@@ -9,12 +9,12 @@ import pytest
 from duhem import Criterion
 from duhem.law.domain import POSITIVE, Domain
 from duhem.proof.certificate import law_as_text
-from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.kernel.claims import convexity
 from duhem.proof.kernel.stated_law import StatedLaw
 from tests.long import long_but, mostly_slow
 from tests.oracles import drawn_formulas
 from tests.oracles.prover.curvature import convex_in_its_region, curvature
+from tests.oracles.prover.decide import AskedSubject
 
 between = Domain.between
 ALPHA, M = {"A": between(0, 2)}, {"m": between(2, 2)}
@@ -60,7 +60,7 @@ ASKED = [case for case in CASES if "where" not in case[0]]
 @pytest.mark.slow
 @pytest.mark.parametrize(("g", "parameters", "convex"), long_but([8, 9, 11, 13, 15, 16], ASKED))
 def test_the_prover_agrees(g: str, parameters: dict[str, Domain], convex: bool) -> None:
-    subject = FormulaSubject(law(g, parameters))
+    subject = AskedSubject(law(g, parameters))
     subject.allow(20_000_000)
     shown = curvature(subject.simple.g, subject).quasiconvex or convex_in_its_region(subject).quasiconvex
     assert shown is convex or "/p" in g  # that a formula has a value is asked elsewhere

@@ -10,13 +10,13 @@ import pytest
 
 from duhem import Criterion, Domain
 from duhem.proof.certificate import law_as_text
-from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.kernel.certificate import stated
 from duhem.proof.kernel.claims import objection
 from duhem.proof.kernel.stated_law import StatedLaw
 from tests.long import long_but
 from tests.oracles import drawn_formulas
 from tests.oracles.prover import rounded
+from tests.oracles.prover.decide import AskedSubject
 
 between, fixed = Domain.between, Domain.fixed
 P = "((p + 1/2)/2)"
@@ -83,7 +83,7 @@ def test_round_at_its_ends(made: Callable[[], Criterion]) -> None:
     law = made()
     assert confirmed(law)
     if not law.parameters:  # the deciders of the second opinion do not know powers with free exponents
-        assert rounded.smoothness(FormulaSubject(law)) is not None
+        assert rounded.smoothness(AskedSubject(law)) is not None
 
 
 @pytest.mark.slow
@@ -93,7 +93,7 @@ def test_round_at_its_ends(made: Callable[[], Criterion]) -> None:
 def test_a_neighbour_is_not_shown_to_be(made: Callable[[], Criterion]) -> None:
     law = made()
     assert not confirmed(law)
-    assert rounded.smoothness(FormulaSubject(law)) is None
+    assert rounded.smoothness(AskedSubject(law)) is None
 
 
 @pytest.mark.slow

@@ -5,7 +5,6 @@ import sympy as sp
 
 from duhem import Criterion, Domain
 from duhem.proof.certificate import law_as_text
-from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.kernel.certificate import stated
 from duhem.proof.kernel.claims import objection
 from duhem.proof.kernel.curvature import over
@@ -13,6 +12,7 @@ from duhem.proof.kernel.regularity import smooth_near_the_boundary
 from duhem.proof.kernel.stated_law import StatedLaw
 from tests.long import long_but, mostly_slow
 from tests.oracles.prover import composition
+from tests.oracles.prover.decide import AskedSubject
 from tests.oracles.prover.even_roots import even, freed
 from tests.oracles.prover.regularity import regularity
 
@@ -54,13 +54,13 @@ CORNERED = [
 @pytest.mark.parametrize("law", long_but([1, 2, 5, 6], mostly_slow(SMOOTH, SMOOTH[-1])), ids=lambda law: law.written[:40])
 def test_even_in_a_root_is_smooth(law: Criterion) -> None:
     assert not objection("smoothness", "composition", frozenset(), stated(law_as_text(law)), {})
-    assert composition.smoothness(FormulaSubject(law)) is not None
+    assert composition.smoothness(AskedSubject(law)) is not None
 
 
 @pytest.mark.parametrize("law", long_but([1, 3, 4, 6, 9, 10], mostly_slow(CORNERED, CORNERED[-1])), ids=lambda law: law.written[:40])
 def test_a_corner_beside_it_is_seen(law: Criterion) -> None:
     """Whether or not K is convex, which would be asked too."""
-    text, subject = stated(law_as_text(law)), FormulaSubject(law)
+    text, subject = stated(law_as_text(law)), AskedSubject(law)
     assert isinstance(text, StatedLaw) and not smooth_near_the_boundary(text.g, over(text))
     found = regularity(subject.simple.g, subject)
     assert not found.known or found.kinks or found.tips

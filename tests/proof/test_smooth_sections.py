@@ -4,11 +4,11 @@ import pytest
 
 from duhem import Criterion, Domain
 from duhem.proof.certificate import law_as_text
-from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.kernel.certificate import stated
 from duhem.proof.kernel.claims import objection
 from tests.long import long_but, mostly_slow
 from tests.oracles.prover import composition
+from tests.oracles.prover.decide import AskedSubject
 
 J2, J3 = "((a-b)**2+(b-c)**2+(c-a)**2)/6", "(2*a-b-c)*(2*b-c-a)*(2*c-a-b)/27"
 ARGYRIS = f"sqrt({J2})*(1+K)/(2*K) + (1-K)/(2*K)*(3*sqrt(3)/2)*({J3})/({J2}) - k"
@@ -25,7 +25,7 @@ def smooth(g, shape, size=POSITIVE):
 
 
 def proved(g, shape, size=POSITIVE):
-    return composition.smoothness(FormulaSubject(law(g, shape, size))) is not None
+    return composition.smoothness(AskedSubject(law(g, shape, size))) is not None
 
 
 CYLINDERS = [(ARGYRIS, Domain.between("0.8", 1)), (EEKELEN, Domain.fixed("0.7"))]

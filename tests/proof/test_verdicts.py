@@ -18,15 +18,16 @@ from duhem.law.builtin.lobes import lobe_law
 from duhem.proof.claims import asked_of
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.kernel.stated_law import StatedLaw
-from duhem.proof.methods import evidence, refuters
+from duhem.proof.methods import refuters
 from duhem.proof.verdict import Evidence
 from tests.campaigns.certificates import rechecked
 from tests.campaigns.tampering import tampering
 from tests.long import long_but, mostly_long, mostly_slow
 from tests.oracles.literature import CLAIMS, KNOWN, LOBES, THRESHOLDS
 from tests.oracles.prover import boundary as implicit
-from tests.oracles.prover import composition, parallel, polar, polyhedral
+from tests.oracles.prover import composition, on_boundary, parallel, polar, polyhedral
 from tests.oracles.prover import evaluation as evaluated
+from tests.oracles.prover.decide import AskedSubject
 from tests.oracles.reevaluation import confirmed
 from tests.proof.test_kernel import confirmed as confirmed_by_rules
 
@@ -112,7 +113,7 @@ def test_lobes(n: int, e: str, verdict: Verdict) -> None:
 
 
 def _subject(name: str, at: dict[str, str] | None = None, steps: int = 8_000_000) -> FormulaSubject:
-    subject = FormulaSubject(load(name).fix(at))
+    subject = AskedSubject(load(name).fix(at))
     subject.allow(steps)
     return subject
 
@@ -133,17 +134,17 @@ CONVEX: list[tuple[str, dict[str, str], list[ProofMethod]]] = [
 
 SMOOTH: list[tuple[str, dict[str, str], list[ProofMethod]]] = [
     ("antoni2007", {}, [composition.smoothness, polar.smoothness]),
-    ("coulomb", {}, [composition.smoothness, polar.smoothness, evidence.smoothness_on_boundary]),
-    ("quartic", {"c": "7"}, [composition.smoothness, polar.smoothness, evidence.smoothness_on_boundary]),
+    ("coulomb", {}, [composition.smoothness, polar.smoothness, on_boundary.smoothness_on_boundary]),
+    ("quartic", {"c": "7"}, [composition.smoothness, polar.smoothness, on_boundary.smoothness_on_boundary]),
     ("superellipse", {"p": "4"}, [composition.smoothness, polar.smoothness]),
-    ("shifted-ellipse", {}, [composition.smoothness, evidence.smoothness_on_boundary]),
+    ("shifted-ellipse", {}, [composition.smoothness, on_boundary.smoothness_on_boundary]),
 ]
 
 DISSIPATIVE: list[tuple[str, dict[str, str], list[ProofMethod]]] = [
-    ("antoni2007", {}, [polar.dissipation, evidence.dissipation_on_boundary]),
-    ("coulomb", {}, [polar.dissipation, evidence.dissipation_on_boundary]),
-    ("quartic", {"c": "7"}, [polar.dissipation, evidence.dissipation_on_boundary]),
-    ("box", {}, [polar.dissipation, evidence.dissipation_on_boundary]),
+    ("antoni2007", {}, [polar.dissipation, on_boundary.dissipation_on_boundary]),
+    ("coulomb", {}, [polar.dissipation, on_boundary.dissipation_on_boundary]),
+    ("quartic", {"c": "7"}, [polar.dissipation, on_boundary.dissipation_on_boundary]),
+    ("box", {}, [polar.dissipation, on_boundary.dissipation_on_boundary]),
 ]
 AGREEING = [*CONVEX, *SMOOTH, *DISSIPATIVE]
 
@@ -162,8 +163,8 @@ def test_independent_methods_prove_the_same(name: str, at: dict[str, str], metho
 
 PROVERS: dict[str, list[ProofMethod]] = {
     "convexity": [composition.convexity, polyhedral.convexity, polar.convexity, implicit.convexity, implicit.hessian],
-    "smoothness": [composition.smoothness, polar.smoothness, evidence.smoothness_on_boundary],
-    "dissipation": [polar.dissipation, evidence.dissipation_on_boundary],
+    "smoothness": [composition.smoothness, polar.smoothness, on_boundary.smoothness_on_boundary],
+    "dissipation": [polar.dissipation, on_boundary.dissipation_on_boundary],
     "normality": [parallel.normality],
     "origin": [evaluated.origin, polar.origin],
 }

@@ -28,8 +28,8 @@ _HEAD = ("claim", "verdict", "trust", "method", "scope", "time")
 _FIELD = len("parameters")
 _RATES = "the rates without a multiplier are not shown to derive from a potential"
 _RESTS_ON = {
-    Trust.CHECKED: "the kernel, a small program that shares no code with the provers, confirmed the proof from the formula of the law",
-    Trust.SOLVER: "one step of the proof relies on an SMT result that nothing else has checked",
+    Trust.CHECKED: "the kernel, a small program that uses no other part of duhem, confirmed the proof from the formula of the law",
+    Trust.SOLVER: "one step of the proof relied on an SMT result that nothing else has checked; this version makes no such proof",
     Trust.PROVER: "the kernel has no rule for this argument, so the proof relies on the method that is named",
 }
 

@@ -38,9 +38,9 @@ class Verdict(StrEnum):
 class Trust(StrEnum):
     """What one relies on when one uses a proof; the values are the words of the JSON report.
 
-    ``checked``: the kernel, a small program that shares no code with the provers, confirmed the proof from the formula of the law.
-    ``solver``: one step of the proof relies on an SMT result that nothing else has checked.  ``prover``: the kernel has no rule for
-    this argument, so the proof relies on the method that is named.
+    ``checked``: the kernel, a small program that uses no other part of duhem, confirmed the proof from the formula of the law.
+    ``solver``: one step of the proof relied on an SMT result that nothing else has checked; versions before this one made such proofs.
+    ``prover``: the kernel has no rule for this argument, so the proof relies on the method that is named.
     """
 
     CHECKED = "checked"

@@ -12,6 +12,7 @@ from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.methods import refuters
 from duhem.proof.verdict import Evidence
 from tests.campaigns.false_proofs.trap import Trap
+from tests.oracles.prover.decide import AskedSubject
 from tests.oracles.prover.table import PROVERS
 
 __all__ = ["false_proofs_alone", "proofs_alone", "provers"]
@@ -33,7 +34,7 @@ def proofs_alone(law: Criterion, claim: str, truth: Mapping[str, bool], effort: 
     """Methods that prove ``claim`` of ``law``, each on a subject of its own; claims before it are proved where they are true."""
     settled = {name: Evidence(Verdict.PROVED if truth.get(name) else Verdict.TESTED, "known", "so it is") for name in CLAIMS}
     for method in provers(claim):
-        subject = FormulaSubject(law, EFFORTS[effort])
+        subject = AskedSubject(law, EFFORTS[effort])
         subject.check_defined()
         if replace(CLAIMS[claim], methods=(method,)).examine(subject, settled).verdict is Verdict.PROVED:
             yield f"{method.run.__module__.rpartition('.')[2]}.{method.run.__name__}"

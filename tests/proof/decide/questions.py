@@ -199,9 +199,8 @@ def violated_ones(seed: str, count: int, kind: str, most: int = 3) -> Iterator[V
                 x = rng.choice(symbols)
                 given += rng.choice(_HYPOTHESES)(near, x, rational(at[x]), rng.randint(1, 2))
             expr, sense = rng.choice(GOALS[kind])(near)
-            question = Question(
-                expr, sense, (*(r for r in given if r is not sp.true), *((sp.Eq(circle[0] ** 2 + circle[1] ** 2, 1),) if circle else ()))
-            )
+            given += [sp.Eq(circle[0] ** 2 + circle[1] ** 2, 1)] if circle else []
+            question = Question(expr, sense, tuple(r for r in given if r is not sp.true))
             usable = not any(e.has(sp.nan, sp.zoo, sp.I) for e in (expr, *given)) and violated(question, at)
         except (UnsuitedError, ValueError):  # the value is no fraction; max(1, zoo)
             continue

@@ -22,7 +22,7 @@ def recheck(certificate: str, law: str | None, settings: Sequence[str]) -> int:
     """Check the proofs in CERTIFICATE again, with the kernel alone.
 
     duhem verify LAW --certificate FILE writes a certificate. The kernel is a small program that uses neither SymPy nor a solver, and
-    shares no code with the programs that found the proofs. The output shows the law of the certificate, and one row per claim. With
+    no other part of duhem. The output shows the law of the certificate, and one row per claim. With
     --law and --set you state which law you expect.
 
     Exit codes: 0 if the kernel confirms everything that the certificate calls proved; 1 if a proof fails or the certificate is about
