@@ -182,13 +182,13 @@ def _module(file: Path) -> str:
 @cache
 def _read_once(name: str, file: Path) -> Law:
     if file.suffix == ".py":
-        import_module(_module(file))
-        return registered()[name]
+        law: Law = getattr(import_module(_module(file)), file.stem)
+        return law
     from duhem.law.formula_law import Criterion
     from duhem.law.shapes import BUILT_IN
 
-    law, shape = _from_file(file), BUILT_IN.get(name)
-    return replace(law, closed_form=shape) if shape and isinstance(law, Criterion) else law
+    read, shape = _from_file(file), BUILT_IN.get(name)
+    return replace(read, closed_form=shape) if shape and isinstance(read, Criterion) else read
 
 
 def _added() -> Mapping[str, EntryPoint]:

@@ -18,32 +18,21 @@ Source: N. Antoni, J.-L. Ligier, P. Saffré and J. Pastor (2007), Int. J. Eng. S
 from sympy import Expr, cos, sin, sqrt
 
 from duhem.expression import symbol
-from duhem.law.curve_law import ANGLE, ParametricCriterion
+from duhem.law.curve_law import ParametricCriterion
 from duhem.law.domain import POSITIVE
-from duhem.law.registry import register
 
-PHI, PARAMETERS = symbol(ANGLE), {name: POSITIVE for name in ("tan_alpha", "tan_beta", "mu_alpha", "mu_beta")}
-TAN_ALPHA, TAN_BETA, MU_ALPHA, MU_BETA = (domain.symbol(name) for name, domain in PARAMETERS.items())
+NAMES = "tan_alpha", "tan_beta", "mu_alpha", "mu_beta"
+phi, (a, b, mu_a, mu_b) = symbol("phi"), map(POSITIVE.symbol, NAMES)
 
 
 def _side(t: Expr, mu: Expr) -> tuple[Expr, Expr]:
-    friction = mu * sqrt((1 + t**2) / (1 + t**2 * cos(PHI) ** 2))
-    return (t + friction * cos(PHI)) / (1 - friction * t * cos(PHI)), friction * sin(PHI) / (1 - friction * t * cos(PHI))
-
-
-def _mean(one: Expr, other: Expr) -> Expr:
-    return (TAN_BETA * one + TAN_ALPHA * other) / (TAN_ALPHA + TAN_BETA)
+    friction = mu * sqrt((1 + t**2) / (1 + t**2 * cos(phi) ** 2))
+    return (t + friction * cos(phi)) / (1 - friction * t * cos(phi)), friction * sin(phi) / (1 - friction * t * cos(phi))
 
 
 wedge = ParametricCriterion(
-    name="wedge",
-    boundary=tuple(map(_mean, _side(TAN_ALPHA, MU_ALPHA), _side(-TAN_BETA, MU_BETA))),
-    parameters=PARAMETERS,
-    constraints=("mu_alpha*tan_alpha < 1", "mu_beta*tan_beta < 1"),
-    flow=("cos(phi)", "sin(phi)"),
+    "wedge", tuple((b * x + a * y) / (a + b) for x, y in zip(_side(a, mu_a), _side(-b, mu_b), strict=True)), dict.fromkeys(NAMES, POSITIVE),
+    constraints=("mu_alpha*tan_alpha < 1", "mu_beta*tan_beta < 1"), flow=("cos(phi)", "sin(phi)"), instead="antoni2007",
     summary="Oblique sliding over a profile of wedges: a boundary curve with a slip of its own (non-associated).",
-    source="Antoni et al. (2007), section 2, Eqs. (4), (6), (13), (15), (16)",
-    instead="antoni2007",
-    derivation="duhem.micromodel.derivation:derive",
-)
-register(wedge.name, wedge)
+    source="Antoni et al. (2007), section 2, Eqs. (4), (6), (13), (15), (16)", derivation="duhem.micromodel.derivation:derive",
+)  # fmt: skip
