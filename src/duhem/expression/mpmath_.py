@@ -61,7 +61,7 @@ def doubles() -> Any:
     from mpmath.ctx_fp import FPContext
 
     context = FPContext()
-    for name in ("asinh", "acosh", "atanh", "isfinite"):  # which it lacks
+    for name in ("asinh", "acosh", "atanh", "hypot", "isfinite"):  # which it lacks
         setattr(context, name, getattr(math, name))
     return context
 
@@ -142,7 +142,7 @@ def table(context: Any) -> Table[Any]:
         sp.Pow: power,
         sp.Abs: lambda _, x: abs(x),
         **{word.node: elementary(word) for word in ELEMENTARY.values()},
-        Atan2: lambda _, y, x: context.atan2(y, x) if x or y else nan,
+        Atan2: lambda _, y, x: context.atan2(y + zero, x) if x or y else nan,  # -0 is 0
         sp.Min: extreme(min),
         sp.Max: extreme(max),
         Pos: lambda _, x: extreme(max)(_, x, zero),
