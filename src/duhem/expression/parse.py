@@ -176,7 +176,6 @@ class _Reader:
     text: str
     known: Mapping[str, sp.Expr]
     place: _Place
-    starts: tuple[int, ...]
     build: Building
     short: Abbreviations
 
@@ -193,8 +192,7 @@ class _Reader:
         if short != NONE:
             made = short.written_out(text, lambda what, at, remedy: place.error(what, at=at, remedy=remedy), MOST_CHARACTERS)
             text, place = made.text, replace(place, made=made)
-        starts = [0, *(m.end() for m in re.finditer("\n", text))]
-        return cls(text, names, place, tuple(starts), build, short)
+        return cls(text, names, place, build, short)
 
     # -- tokens ------------------------------------------------------------------------------------------------
 
@@ -285,26 +283,24 @@ class _Reader:
     # -- syntax ------------------------------------------------------------------------------------------------
 
     def syntax(self) -> ast.expr:
-        """The syntax tree of a text whose tokens are all known; brackets around it let it run over several lines."""
+        """The syntax tree of a text whose tokens are all known, read as one line."""
         self.check_tokens()
         try:
-            return expression_tree(f"({self.text}\n)")
+            return expression_tree(f"({self.text})".replace("\n", " "))
         except SyntaxError as fault:  # the tokens are in order, so only Python's own limits are left
             raise self.place.error(f"the formula cannot be read: {fault.msg}", remedy="split it into smaller parts") from None
         except (RecursionError, MemoryError, ValueError):
             raise self.place.error("the formula is nested too deeply", remedy="split it into smaller parts") from None
 
     def start(self, node: ast.expr) -> int:
-        return self.offset(node.lineno, node.col_offset)
+        return self.offset(node.col_offset)
 
-    def offset(self, line: int, byte: int) -> int:
+    def offset(self, byte: int) -> int:
         """Of a place that Python's parser names, which has read one bracket more at the beginning."""
-        row = self.text.split("\n")[line - 1]
-        characters = len(row.encode()[: max(byte - (line == 1), 0)].decode(errors="ignore"))
-        return self.starts[line - 1] + characters
+        return len(self.text.encode()[: max(byte - 1, 0)].decode(errors="ignore"))
 
     def end(self, node: ast.expr) -> int:
-        return self.offset(node.end_lineno or 1, node.end_col_offset or 0)
+        return self.offset(node.end_col_offset or 0)
 
     def segment(self, node: ast.expr) -> str:
         return self.text[self.start(node) : self.end(node)]

@@ -16,7 +16,6 @@ from sympy.printing.str import StrPrinter
 
 from duhem.errors import InputError
 from duhem.expression.build import settled
-from duhem.expression.fold import Shared
 from duhem.expression.number import MOST_DIGITS, reckoned
 from duhem.expression.parse import parse_expression, parse_relation
 from duhem.expression.vocabulary import Where, nested
@@ -81,9 +80,6 @@ class _Printer(StrPrinter):
 
     def _word(self, name: str, args: Any) -> str:
         return f"{name}({', '.join(self._print(a) for a in args)})"
-
-    def _print_Shared(self, expr: Shared) -> str:
-        return str(expr.graph)
 
     def _print_Function(self, expr: sp.Function) -> str:
         return self._word(type(expr).__name__.lower(), expr.args)

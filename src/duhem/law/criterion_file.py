@@ -280,13 +280,9 @@ class _CriterionReader(SectionReader):
         for key, entry in self.table("variables", required=False).items():
             if not isinstance(entry, dict):
                 raise self.error(f"{key} is not a table", "variables", key, remedy=f'write {key} = {{ force = "sigma" }}')
-            self.keys("variables", entry, (*_VARIABLE, *_PARAMETER), inside=key)
-            for kind in ("observable", "temperature"):
-                if entry.get(kind, True) is not True:
-                    raise self.error(f"{kind} of {key} is not true", "variables", key, remedy=f"remove it, or write {kind} = true")
+            domain = self.domain(key, entry, "variables", (*_VARIABLE, *_PARAMETER))
             if not isinstance(entry.get("force", ""), str):
                 raise self.error(f"force of {key} is no name", "variables", key, remedy='write force = "sigma"')
-            domain = self.domain(key, {name: value for name, value in entry.items() if name in _PARAMETER}, "variables")
             force = spelled(entry["force"]) if "force" in entry else None
             found[spelled(key)] = Variable(force, "observable" in entry, "temperature" in entry, domain)
         variables = Variables(found)
@@ -395,12 +391,14 @@ class _CriterionReader(SectionReader):
             meant = f"value = {entry}" if number else "positive = true" if "positive" in allowed else "min = -100"
             raise self.error(f"the domain of {name} is not a table", section, name, remedy=f"write {name} = {{ {meant} }}")
         self.keys(section, entry, allowed, inside=name)
-        if ("value" in entry and len(entry) > 1) or ("positive" in entry and "min" in entry):
-            mixed = " and ".join(entry)
+        said = [key for key in entry if key in _PARAMETER]
+        if ("value" in entry and len(said) > 1) or ("positive" in entry and "min" in entry):
+            mixed = " and ".join(said)
             remedy = "use positive = true, or min and max, or value, or {} for every real number"
             raise self.error(f"the domain of {name} mixes {mixed}", section, name, remedy=remedy)
-        if entry.get("positive", True) is not True:
-            raise self.error(f"positive of {name} is not true", section, name, remedy="remove it, or write positive = true")
+        for kind in ("positive", "observable", "temperature"):
+            if entry.get(kind, True) is not True:
+                raise self.error(f"{kind} of {name} is not true", section, name, remedy=f"remove it, or write {kind} = true")
         try:
             if "value" in entry:
                 return Domain.fixed(entry["value"])
