@@ -27,10 +27,10 @@ from typing import NamedTuple, NoReturn
 
 from duhem.errors import InputError
 from duhem.expression.number import DECIMAL
-from duhem.expression.syntax import expression_tree, spelled
+from duhem.expression.syntax import PlacedText, expression_tree, spelled
 from duhem.expression.vocabulary import nested
 
-__all__ = ["INVARIANTS", "KINDS", "NONE", "Abbreviations", "Indexed", "Stress", "WrittenOut", "WrittenOver", "component", "names_in"]
+__all__ = ["INVARIANTS", "KINDS", "NONE", "Abbreviations", "Indexed", "Stress", "WrittenOut", "component", "names_in"]
 
 KINDS: Mapping[str, tuple[str, ...]] = {
     "3d": ("xx", "yy", "zz", "yz", "xz", "xy"),
@@ -373,10 +373,6 @@ _USAGE = "write {0}(i, 1, 24, ...)"
 _Scope = Mapping[str, int]
 
 
-class WrittenOver(str):
-    """A text that was made of another: a fault in it lies where that begins."""
-
-
 def component(name: str, i: int) -> str:
     """The name of a part of a vector."""
     return f"{name}__{i}"
@@ -390,7 +386,7 @@ class Indexed:
     vectors: Mapping[str, int] = field(default_factory=dict)
     taken: frozenset[str] = frozenset()
 
-    def written_over(self, text: str) -> str:
+    def written_over(self, text: PlacedText) -> PlacedText:
         """``text`` without indices; as it is where it has none, or a sign that is none of the language, which its reader finds.
 
         InputError, without a place, for what is wrong with an index.
@@ -398,16 +394,16 @@ class Indexed:
         if not _INDEXED.search(text) or not _ALLOWED.fullmatch(text):
             return text
         tree, source = _read(text)
-        return WrittenOver(_Writer(self, source).text(tree, {}))
+        return text.made_into(_Writer(self, source).text(tree, {}))
 
-    def parts(self, text: str) -> list[str] | None:
+    def parts(self, text: PlacedText) -> list[PlacedText] | None:
         """The formulas of a text that is a vector; None for any other."""
         if not re.match(r"\s*vector\s*\(", text) or not _ALLOWED.fullmatch(text):
             return None
         tree, source = _read(text)
         if not (isinstance(tree, ast.Call) and isinstance(tree.func, ast.Name) and tree.func.id == "vector"):
             raise InputError("a vector stands beside something else", remedy='define it alone: z = "vector(i, 1, 24, ...)"')
-        return list(map(WrittenOver, _Writer(self, source).within(_MOST_IN_ALL, tree, {})))
+        return list(map(text.made_into, _Writer(self, source).within(_MOST_IN_ALL, tree, {})))
 
 
 def _read(text: str) -> tuple[ast.expr, bytes]:

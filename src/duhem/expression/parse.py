@@ -21,11 +21,11 @@ import sympy as sp
 from sympy.core.relational import Relational
 
 from duhem.errors import InputError, meant
-from duhem.expression.abbreviations import INVARIANTS, NONE, Abbreviations, WrittenOut, WrittenOver, names_in
+from duhem.expression.abbreviations import INVARIANTS, NONE, Abbreviations, WrittenOut, names_in
 from duhem.expression.build import AS_WRITTEN, EVALUATED, IN_RANGE, UNMADE, Building, settled, unacceptable
 from duhem.expression.fold import Graph, Shared, fold
 from duhem.expression.number import DECIMAL, exact_number
-from duhem.expression.syntax import expression_tree, spelled
+from duhem.expression.syntax import PlacedText, expression_tree, spelled
 from duhem.expression.vocabulary import MOST_ARGUMENTS, NODES, WORDS, symbol
 
 __all__ = [
@@ -60,17 +60,14 @@ _COMPARISONS: dict[type[ast.cmpop], type[Relational]] = {
 }  # fmt: skip
 
 
-def parse_expression(
-    text: str, known: Mapping[str, sp.Symbol], *, where: str = "formula", line: int = 1, column: int = 0, short: Abbreviations = NONE
-) -> sp.Expr:
+def parse_expression(text: str, known: Mapping[str, sp.Symbol], *, where: str = "formula", short: Abbreviations = NONE) -> sp.Expr:
     """The formula ``text`` over the symbols ``known``, as a real SymPy expression.
 
-    ``where``, ``line`` (from 1) and ``column`` (from 0) say where the text begins, for the messages; ``short`` holds the
-    abbreviations it may use.
+    ``where`` says where a text stands that does not know it, for the messages; ``short`` holds the abbreviations it may use.
     Decimals are exact rationals.  Raises InputError for anything outside the language, for values that are not
     real and finite (``log(0)``, ``sqrt(-1)``), and for what would be too large to compute.
     """
-    reader = _Reader.over(text, known, _Place(where, line, column, text), short=short)
+    reader = _Reader.over(text, known, where, short=short)
     tree = reader.syntax()
     return reader.finished(tree, reader.value(tree, 0))
 
@@ -86,7 +83,7 @@ def parse_as_written(text: str, known: Mapping[str, sp.Expr], build: Building = 
 
     For a text that :func:`parse_expression` or :func:`parse_relation` accepts; made to be walked and evaluated, not to be calculated with.
     """
-    reader = _Reader.over(text, known, _Place("formula", 1, 0, text), build)
+    reader = _Reader.over(text, known, "formula", build)
     tree = reader.syntax()
     if not isinstance(tree, ast.Compare):
         return reader.value(tree, 0)
@@ -111,27 +108,23 @@ def too_long(text: str, short: Abbreviations) -> bool:
     return len(made) > MOST_CHARACTERS or _has_too_many_tokens(made)
 
 
-def check_size(text: str, *, where: str = "formula", line: int = 1, column: int = 0) -> None:
+def check_size(text: PlacedText) -> None:
     """InputError where a formula, of which nothing else is to be checked, is longer than what is read."""
-    place = _Place(where, line, column, text)
+    place = _Place(text)
     place.check_length()
     if _has_too_many_tokens(text):
         raise place.too_large()
 
 
-def check_formula(
-    text: str, names: Collection[str], *, where: str = "formula", line: int = 1, column: int = 0, short: Abbreviations = NONE
-) -> None:
+def check_formula(text: str, names: Collection[str], where: str, short: Abbreviations) -> None:
     """InputError where the ``text`` is no formula over the ``names``; no value is made of it, so that it may be long."""
-    reader = _Reader.over(text, dict.fromkeys(names, sp.S.Zero), _Place(where, line, column, text), UNMADE, short)
+    reader = _Reader.over(text, dict.fromkeys(names, sp.S.Zero), where, UNMADE, short)
     reader.value(reader.syntax(), 0)
 
 
-def parse_relation(
-    text: str, known: Mapping[str, sp.Symbol], *, where: str = "constraint", line: int = 1, column: int = 0, short: Abbreviations = NONE
-) -> Relational:
+def parse_relation(text: str, known: Mapping[str, sp.Symbol], *, where: str = "constraint", short: Abbreviations = NONE) -> Relational:
     """One comparison such as ``e < mu_b``.  One that always holds is kept as written; one that never does raises InputError."""
-    reader = _Reader.over(text, known, _Place(where, line, column, text), short=short)
+    reader = _Reader.over(text, known, where, short=short)
     tree = reader.syntax()
     if not isinstance(tree, ast.Compare):
         raise reader.place.error(f"{reader.quote(tree)} is no comparison", remedy="compare two expressions with < <= > or >=")
@@ -146,19 +139,16 @@ def parse_relation(
 class _Place:
     """Where a text stands, so that an offset in it becomes file:line:column."""
 
-    where: str
-    line: int
-    column: int
-    text: str
+    text: PlacedText
     made: WrittenOut | None = None  # what is read instead of it, abbreviations written out
 
     def error(self, what: str, *, at: int = 0, remedy: str = "") -> InputError:
         """A fault at an offset in what is read."""
         at = self.made.origin(at) if self.made else at
-        before = "" if isinstance(self.text, WrittenOver) else self.text[:at]
+        before = "" if self.text.made else self.text[:at]
         row = before.count("\n")
-        column = len(before) - (before.rfind("\n") + 1) + (self.column if row == 0 else 0)
-        return InputError(what, where=f"{self.where}:{self.line + row}:{column + 1}", remedy=remedy)
+        column = len(before) - (before.rfind("\n") + 1) + (self.text.column if row == 0 else 0)
+        return InputError(what, where=f"{self.text.where}:{self.text.line + row}:{column + 1}", remedy=remedy)
 
     def too_large(self, at: int = 0) -> InputError:
         return self.error("the formula is too large", at=at, remedy=f"at most {MOST_TOKENS} names, numbers and signs are read")
@@ -181,10 +171,11 @@ class _Reader:
 
     @classmethod
     def over(
-        cls, text: str, known: Mapping[str, sp.Expr], place: _Place, build: Building = EVALUATED, short: Abbreviations = NONE
+        cls, given: str, known: Mapping[str, sp.Expr], where: str, build: Building = EVALUATED, short: Abbreviations = NONE
     ) -> _Reader:
-        text = text.replace("\r", " ")  # line ends of other systems; offsets stay as they are
+        place = _Place(given if isinstance(given, PlacedText) else PlacedText(given, where))
         place.check_length()
+        text = given.replace("\r", " ")  # line ends of other systems; offsets stay as they are
         names = {spelled(name): symbol for name, symbol in known.items()}
         for name in names:
             if name in WORDS or name in short.words() or name == "pi" or iskeyword(name):
@@ -428,9 +419,9 @@ def _chain(node: ast.BinOp, family: tuple[type[ast.operator], ...]) -> tuple[ast
 # -- formulas kept as graphs --------------------------------------------------------------------------------------------
 
 
-def parse_graph(text: str, known: Mapping[str, sp.Symbol], short: Abbreviations, *, where: str, line: int = 1, column: int = 0) -> Shared:
+def parse_graph(text: str, known: Mapping[str, sp.Symbol], short: Abbreviations, where: str) -> Shared:
     """The formula over the symbols ``known`` and the definitions of ``short``; InputError for anything outside the language."""
-    check_formula(text, [*known, *short.own], where=where, line=line, column=column, short=short.alone())
+    check_formula(text, [*known, *short.own], where, short.alone())
     last = own_text(text, short)
     nodes = tuple((name, short.own[name]) for name in short.used_by(last))
     used = names_in(last).union(*(names_in(formula) for _, formula in nodes))

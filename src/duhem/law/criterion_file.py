@@ -10,7 +10,7 @@ import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from decimal import MAX_EMAX, MIN_EMIN, Context, Decimal, Inexact
-from functools import cached_property, partial
+from functools import cached_property
 from os import PathLike
 from pathlib import Path
 from typing import Any, TypeVar
@@ -20,12 +20,12 @@ import sympy as sp
 from duhem.errors import InputError, faults_at, meant
 from duhem.expression import WORDS, symbol
 from duhem.expression.abbreviations import INVARIANTS, Abbreviations, Indexed, Stress, component
-from duhem.expression.parse import parse_expression, parse_graph, parse_relation, too_long, written_out
-from duhem.expression.syntax import spelled
+from duhem.expression.parse import parse_expression, parse_relation, written_out
+from duhem.expression.syntax import PlacedText, spelled
 from duhem.expression.text import faithful
 from duhem.law.curve_law import ANGLE, Law, ParametricCriterion, closes
 from duhem.law.domain import POSITIVE, Domain, range_fault
-from duhem.law.formula_law import FORCES, PRESSURE, Criterion, Definitions, PlacedFormula, YieldSurface, definitions, flow_of, name_fault
+from duhem.law.formula_law import FORCES, PRESSURE, Criterion, Definitions, YieldSurface, definitions, name_fault
 from duhem.law.given import Relations
 from duhem.law.learned import table_beside
 from duhem.law.parameter_domain import check_domain
@@ -35,7 +35,6 @@ from duhem.law.state import Variable, Variables, misfits, variables_of
 __all__ = ["MOST_BYTES", "SectionReader", "criterion_text", "expected_verdicts", "read", "reads"]
 
 Declared = tuple[str, str, str]  # a name, and the section and key that declare it
-Reading = Callable[..., tuple[sp.Expr, str]]  # of a place: the formula there, and its text
 T = TypeVar("T")
 Slots = Sequence[tuple[str, str | None]]  # what each entry of a flow is the rate of, and the force of that
 
@@ -89,13 +88,6 @@ class SectionReader(PlacedToml):
             if key in (self.document[section] if section else self.document):
                 raise self.error(f"{header} and {other} are both given", section, key, remedy="remove one of them")
 
-    def stated(self, *path: Key, known: Mapping[str, sp.Symbol], short: Abbreviations) -> tuple[sp.Expr, str]:
-        """The formula at a place over the symbols ``known``, and its text with all that stands for others written out."""
-        text, line, column = self.formula(*path)
-        if path == ("criterion", "g") and "variables" not in self.document and too_long(text, short):
-            return parse_graph(text, known, short, where=self.where, line=line, column=column), ""
-        return parse_expression(text, known, where=self.where, line=line, column=column, short=short), written_out(text, short)
-
     def entries(self, *path: Key, example: str, of: str = "expressions") -> list[tuple[Key, ...]]:
         """The places of the formulas in a list."""
         given = self.value(*path)
@@ -110,15 +102,6 @@ class SectionReader(PlacedToml):
         """file:line:column of a key, or the file where the key is not found."""
         return super().place(*(key for key in path if key != ""))
 
-    def formula(self, *path: Key) -> tuple[str, int, int]:
-        """A formula with the line (from 1) and column (from 0) at which it begins.
-
-        The text is taken as written in the file, so that the columns are the file's; a formula has no use for escapes.
-        """
-        value = self.value(*path) if isinstance(path[-1], int) else self.string(*path)
-        written, line, column = self.written(*path) or (value, 1, 0)
-        return (value if "\\" in written else written), line, column
-
 
 MOST_BYTES = 1_000_000
 _CRITERION = ("name", "summary", "source", "forces", "stress", "pressure", "g", "potential", "constraints", "expect")
@@ -131,6 +114,7 @@ _SECTIONS = (
 )  # fmt: skip
 _PARAMETER = ("positive", "min", "max", "value")
 _VARIABLE = ("force", "observable", "temperature")
+_ZERO = re.compile(r"\s*0+(\.0*)?\s*")
 _ATLAS = ("equation", "claims", "verdicts", "regions", "note")  # what is said of the law: nothing of it is part of the law
 
 
@@ -193,18 +177,20 @@ class _CriterionReader(SectionReader):
             self.alone("[boundary]", *other)
             return self.curve(forces, pressure, domains, declared)
         define = definitions(self.placed[1], known, stress)
-        axes, read = [known[f] for f in forces], partial(self.stated, known=known, short=define.short)
         viscous = "potential" in dissipation
         if viscous or of_rates:
             own = f"the {'potential' if viscous else 'forces_of_rates'} of [dissipation]"
             self.alone(own, "g", "potential", "[flow]", "[surface]")
         slots = variables.slots(forces)
-        surfaces = self.surfaces(axes, read, slots)
-        whole = YieldSurface(sp.nan) if surfaces or of_rates else self.whole(axes, read, slots)
-        head = self.head(forces, pressure, domains, define) | self.state(variables, read, slots) | {"viscous": viscous}
+        surfaces = self.surfaces(forces, slots)
+        whole = YieldSurface(sp.nan) if surfaces or of_rates else self.whole(forces, slots)
+        head = self.head(forces, pressure, domains, define) | self.state(variables, slots) | {"viscous": viscous}
         domain = self.ranges(forces, pressure)
-        with faults_at(self.where):
+        try:
             law = Criterion(**head, **vars(whole), stress=stress, define=define, domain=domain, surfaces=surfaces)
+        except InputError as fault:
+            where = fault.where if fault.where.startswith(f"{self.where}:") else self.where
+            raise InputError(fault.what, where=where, remedy=fault.remedy) from None
         check_domain(law, where=self.place("criterion", "constraints"))
         return law
 
@@ -224,16 +210,9 @@ class _CriterionReader(SectionReader):
             raise self.error("a boundary curve takes two forces and a pressure", "boundary", remedy="declare them, or write g instead")
         known = {angle: symbol(angle)} | {p: domain.symbol(p) for p, domain in domains.items()}
         define = definitions(self.placed[1], known, None)
-        read = partial(self.stated, known=known, short=define.short)
-        boundary = self.components("T", known[angle], read)
-        flow = self.components("direction", known[angle], read) if "direction" in self.table("boundary") else []
-        law = ParametricCriterion(
-            **self.head(forces, pressure, domains, define),
-            boundary=tuple(x for x, _ in boundary),
-            angle=angle,
-            flow=tuple(x for x, _ in flow) or None,
-            written=tuple(text for _, text in (*boundary, *flow)),
-        )
+        boundary = self.components("T", known[angle], known, define.short)
+        flow = self.components("direction", known[angle], known, define.short) if "direction" in self.table("boundary") else None
+        law = ParametricCriterion(**self.head(forces, pressure, domains, define), boundary=boundary, angle=angle, flow=flow)
         check_domain(law, where=self.place("criterion", "constraints"))
         return law
 
@@ -263,7 +242,7 @@ class _CriterionReader(SectionReader):
             raise self.error("forces and stress are both declared", "criterion", "stress", remedy=remedy)
         if not (isinstance(given, dict) and {*given} == {"name", "kind"} and all(isinstance(x, str) for x in given.values())):
             raise self.error("stress is not a table of name and kind", "criterion", "stress", remedy=example)
-        with faults_at(partial(self.place, "criterion", "stress")):
+        with faults_at(self.place("criterion", "stress")):
             return Stress(**given)
 
     def expected(self) -> Mapping[str, str]:
@@ -298,7 +277,7 @@ class _CriterionReader(SectionReader):
             raise self.error("[heat] has no table of bodies", "heat", "bodies", remedy='write bodies = { T1 = "h1", T2 = "h2" }')
         return given
 
-    def state(self, variables: Variables, read: Reading, slots: Slots) -> dict[str, Any]:
+    def state(self, variables: Variables, slots: Slots) -> dict[str, Any]:
         """The energy, and the rates of internal variables that have no force or need no multiplier."""
         self.keys("energy", self.table("energy", required=False), ("psi",))
         given = self.table("dissipation", required=False)
@@ -306,34 +285,32 @@ class _CriterionReader(SectionReader):
         for key, name in functions.items():
             if not isinstance(given.get(key, {}), dict):
                 raise self.error(f"{key} is not a table", "dissipation", key, remedy=f'write {key} = {{ {name} = "..." }}')
-        energy = read("energy", "psi") if "energy" in self.document else (None, "")
-        said = {key: {spelled(name): read("dissipation", key, name) for name in given.get(key, {})} for key in functions}
+        energy = self.formula("energy", "psi") if "energy" in self.document else None
+        said = {key: {spelled(name): self.formula("dissipation", key, name) for name in given.get(key, {})} for key in functions}
         flow = "flow" in self.document
-        unforced = {name: read("flow", "direction", i) for i, (name, force) in enumerate(slots) if force is None and flow}
-        said |= {"unforced": unforced, "heat": {spelled(name): read("heat", "bodies", name) for name in self.bodies()}}
-        expressions = {key: {name: expr for name, (expr, _) in found.items()} for key, found in said.items()}
-        texts = {f"written_{key}": {name: text for name, (_, text) in found.items()} for key, found in said.items()}
-        return {"variables": variables, "energy": energy[0], "written_energy": energy[1], **expressions, **texts}
+        unforced = {name: self.formula("flow", "direction", i) for i, (name, force) in enumerate(slots) if force is None and flow}
+        heat = {spelled(name): self.formula("heat", "bodies", name) for name in self.bodies()}
+        return {"variables": variables, "energy": energy, "unforced": unforced, "heat": heat, **said}
 
     @cached_property
-    def placed(self) -> tuple[Indexed, Mapping[str, PlacedFormula]]:
+    def placed(self) -> tuple[Indexed, Mapping[str, PlacedText]]:
         """What may be written with an index, and the definitions, a vector part by part."""
-        known, found = self.tables(), dict[str, PlacedFormula]()
+        known, found = self.tables(), dict[str, PlacedText]()
         for key, given in self.table("define", required=False).items():
             if isinstance(given, list):
                 entries, alike = self.entries("define", key, example='["sigma_a", "sigma_b"]'), False
                 formulas = [self.over(*entry, change=known.written_over) for entry in entries]
             else:
-                parts, line, column = self.over("define", key, change=known.parts)
+                parts = self.over("define", key, change=known.parts)
                 alike = bool(parts)
-                formulas = [(text, line, column) for text in parts] if parts else [self.over("define", key, change=known.written_over)]
+                formulas = parts or [self.over("define", key, change=known.written_over)]
             if vector := alike or isinstance(given, list):
                 known = replace(known, vectors={**known.vectors, spelled(key): len(formulas)})
-            for i, (text, line, column) in enumerate(formulas):
+            for i, text in enumerate(formulas):
                 name = component(spelled(key), i + 1) if vector else key
                 if name in found:
                     raise self.error(f"{name!r} is declared twice", "define", key, remedy="give each definition a name of its own")
-                found[name] = PlacedFormula(text, self.where, line, column, self.place("define", key), alike and i > 0)
+                found[name] = PlacedText(text, self.where, text.line, text.column, self.place("define", key), text.made, alike and i > 0)
         return known, found
 
     def tables(self) -> Indexed:
@@ -348,14 +325,19 @@ class _CriterionReader(SectionReader):
         forces = head.get("forces", FORCES) if (stress := self.stress()) is None else stress.components
         return Indexed(read, {}, frozenset({*words, *filter(lambda x: isinstance(x, str), [*named, *forces])}))
 
-    def over(self, *path: Key, change: Callable[[str], T]) -> tuple[T, int, int]:
-        """What is made of the text of a formula, and where that begins; a fault lies there."""
-        text, line, column = super().formula(*path)
-        with faults_at(f"{self.where}:{line}:{column + 1}", unless_placed=True):
-            return change(text), line, column
+    def over(self, *path: Key, change: Callable[[PlacedText], T]) -> T:
+        """What is made of the text of a formula; a fault lies where that begins.
 
-    def formula(self, *path: Key) -> tuple[str, int, int]:
-        """A formula without indices, and where it begins."""
+        The text is taken as written in the file, so that the columns are the file's; a formula has no use for escapes.
+        """
+        value = self.value(*path) if isinstance(path[-1], int) else self.string(*path)
+        written, line, column = self.written(*path) or (value, 1, 0)
+        text = PlacedText(value if "\\" in written else written, self.where, line, column, self.place(*path))
+        with faults_at(f"{self.where}:{line}:{column + 1}", unless_placed=True):
+            return change(text)
+
+    def formula(self, *path: Key) -> PlacedText:
+        """A formula without indices."""
         return self.over(*path, change=self.placed[0].written_over)
 
     def pressure(self) -> str | None:
@@ -411,37 +393,28 @@ class _CriterionReader(SectionReader):
         at = ("criterion", "constraints")
         entries = self.entries(*at, example='["e < mu_b"]', of="comparisons") if at[1] in self.document[at[0]] else []
         placed = [self.formula(*entry) for entry in entries]
-        for text, line, column in placed:
+        for text in placed:
             for name in (name for name in re.finditer(r"\w+", text) if name[0] in loads):
                 remedy = "constraints relate parameters only; a range of a force or of the pressure belongs in the section [domain]"
-                where = f"{self.where}:{line}:{column + name.start() + 1}"
+                where = f"{self.where}:{text.line}:{text.column + name.start() + 1}"
                 raise InputError(f"a constraint depends on {name[0]}, which is no parameter", where=where, remedy=remedy)
-        short = define.short
-        found = [parse_relation(t, parameters, where=self.where, line=line, column=column, short=short) for t, line, column in placed]
-        return tuple(found), tuple(written_out(t, short) for t, _, _ in placed)
+        found = [parse_relation(text, parameters, short=define.short) for text in placed]
+        return tuple(found), tuple(written_out(text, define.short) for text in placed)
 
     # -- what bounds K, and the slip there ----------------------------------------------------------------------
 
-    def of_forces(self, what: str, *path: Key, forces: Sequence[sp.Symbol], read: Reading) -> tuple[sp.Expr, str]:
-        """The formula at a place, which depends on a force, and its text."""
-        formula, written = read(*path)
-        if not formula.free_symbols & set(forces):
-            raise self.error(f"{what} does not depend on any force", *path, remedy=f"use at least one of {', '.join(map(str, forces))}")
-        return formula, written
-
-    def whole(self, forces: Sequence[sp.Symbol], read: Reading, slots: Slots) -> YieldSurface:
+    def whole(self, forces: Sequence[str], slots: Slots) -> YieldSurface:
         """The one surface of a law without [[surface]]: g and potential in [criterion], or [flow]; or the potential of [dissipation]."""
         if "potential" in self.table("dissipation", required=False):
-            potential, written = self.of_forces("the potential", "dissipation", "potential", forces=forces, read=read)
-            return YieldSurface(potential, written=written)
+            return YieldSurface(self.formula("dissipation", "potential"))
         flow = ("flow", "direction") if "flow" in self.document else ()
         if flow:
             self.keys("flow", self.table("flow"), ("direction",))
             if "direction" not in self.table("flow"):
-                raise self.error("[flow] has no direction", "flow", remedy=f"write direction = {_example(forces)}")
-        return self.surface(("criterion",), flow, "[flow]", forces, read, slots)
+                raise self.error("[flow] has no direction", "flow", remedy=f"write direction = {quoted(forces)}")
+        return self.surface(("criterion",), flow, "[flow]", forces, slots)
 
-    def surfaces(self, forces: Sequence[sp.Symbol], read: Reading, slots: Slots) -> tuple[YieldSurface, ...]:
+    def surfaces(self, forces: Sequence[str], slots: Slots) -> tuple[YieldSurface, ...]:
         """Those of [[surface]], in order; none where there is no such section."""
         given = self.document.get("surface", [])
         if not (isinstance(given, list) and all(isinstance(entry, dict) for entry in given)):
@@ -451,54 +424,44 @@ class _CriterionReader(SectionReader):
         for i, entry in enumerate(given):
             self.keys("surface", entry, ("g", "flow", "potential"), at=("surface", i))
         flows = [("surface", i, "flow") if "flow" in entry else () for i, entry in enumerate(given)]
-        return tuple(self.surface(("surface", i), flow, "flow", forces, read, slots) for i, flow in enumerate(flows))
+        return tuple(self.surface(("surface", i), flow, "flow", forces, slots) for i, flow in enumerate(flows))
 
-    def surface(
-        self, section: tuple[Key, ...], flow: tuple[Key, ...], flow_name: str, forces: Sequence[sp.Symbol], read: Reading, slots: Slots
-    ) -> YieldSurface:
-        """The g and potential of a section with the flow at a place, if it has one."""
-        g, written = self.of_forces("g", *section, "g", forces=forces, read=read)
+    def surface(self, section: tuple[Key, ...], flow: tuple[Key, ...], flow_name: str, forces: Sequence[str], slots: Slots) -> YieldSurface:
+        """The g and potential of a section with the flow at a place, if it has one; the law reads them."""
+        g: Any = self.formula(*section, "g")
         if "potential" in self.value(*section):
             at = (*section, "potential")
             if flow:
                 raise self.error(f"{flow_name} and potential are both given", *at, remedy="remove one of them")
-            potential, text = read(*at)
-            with faults_at(partial(self.place, *at)):
-                flow_of(potential, forces)
-            return YieldSurface(g, potential=text, written=written)
+            return YieldSurface(g, potential=self.formula(*at))
         if not flow:
-            return YieldSurface(g, written=written)
-        entries = self.entries(*flow, example=_example(forces))
+            return YieldSurface(g)
+        entries = self.entries(*flow, example=quoted(forces))
         if len(entries) != len(slots):
             remedy = f"give one expression for each of {', '.join(name for name, _ in slots)}"
             counts = f"{len(entries)} components for {len(slots)} {'rates' if 'variables' in self.document else 'forces'}"
             raise self.error(f"the flow direction has {counts}", *flow, remedy=remedy)
-        place = {force: entry for (_, force), entry in zip(slots, entries, strict=True)}
+        texts = {force: self.formula(*entry) for (_, force), entry in zip(slots, entries, strict=True) if force is not None}
         for (name, force), entry in zip(slots, entries, strict=True):
-            if force is None and section[0] == "surface" and read(*entry)[0] != 0:
+            if force is None and section[0] == "surface" and not _ZERO.fullmatch(self.formula(*entry)):
                 remedy = 'write "0" here: of a law with several surfaces no rate of it is kept'
                 raise self.error(f"{name} has no force, and a rate that belongs to a surface", *entry, remedy=remedy)
-        slip, texts = zip(*(read(*place[str(force)]) for force in forces), strict=True)
-        return YieldSurface(g, slip, None, written, texts)
+        return YieldSurface(g, tuple(texts[force] for force in forces))
 
-    def components(self, key: str, angle: sp.Symbol, read: Reading) -> list[tuple[sp.Expr, str]]:
-        """The two components in [boundary] with their texts; they close because the angle enters by its cosine and sine only."""
+    def components(self, key: str, angle: sp.Symbol, known: Mapping[str, sp.Symbol], short: Abbreviations) -> Any:
+        """The texts of two components in [boundary]; they close because the angle enters by its cosine and sine only."""
         example = f'["cos({angle})", "sin({angle})"]'
         if key not in self.table("boundary"):
             raise self.error(f"[boundary] has no {key}", "boundary", remedy=f"add {key} = {example}")
         entries = self.entries("boundary", key, example=example)
         if len(entries) != 2:
             raise self.error(f"{key} has {len(entries)} components for 2 forces", "boundary", key, remedy=f"write {key} = {example}")
-        found = [read(*entry) for entry in entries]
-        for entry, (expr, _) in zip(entries, found, strict=True):
-            if not closes(expr, angle):
+        texts = [self.formula(*entry) for entry in entries]
+        for entry, text in zip(entries, texts, strict=True):
+            if not closes(parse_expression(text, known, short=short), angle):
                 remedy = f"write it in cos({angle}) and sin({angle}), multiples of the angle expanded"
                 raise self.error(f"{key} uses {angle} otherwise than as cos({angle}) and sin({angle})", *entry, remedy=remedy)
-        return found
-
-
-def _example(forces: Sequence[sp.Symbol]) -> str:
-    return "[" + ", ".join(f'"{f}"' for f in forces) + "]"
+        return tuple(written_out(text, short) for text in texts)
 
 
 # -- a law written down -----------------------------------------------------------------------------------------------
