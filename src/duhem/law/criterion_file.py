@@ -7,7 +7,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from decimal import MAX_EMAX, MIN_EMIN, Context, Decimal, Inexact
 from functools import cached_property
@@ -29,7 +29,7 @@ from duhem.law.formula_law import FORCES, PRESSURE, Criterion, Definitions, Yiel
 from duhem.law.given import Relations
 from duhem.law.learned import table_beside
 from duhem.law.parameter_domain import check_domain
-from duhem.law.placed_toml import Key, PlacedToml, parsed, quoted, text_of
+from duhem.law.placed_toml import Key, PlacedToml, document_text, parsed, text_of, toml
 from duhem.law.state import Variable, Variables, misfits, variables_of
 
 __all__ = ["MOST_BYTES", "SectionReader", "criterion_text", "expected_verdicts", "read", "reads"]
@@ -411,7 +411,7 @@ class _CriterionReader(SectionReader):
         if flow:
             self.keys("flow", self.table("flow"), ("direction",))
             if "direction" not in self.table("flow"):
-                raise self.error("[flow] has no direction", "flow", remedy=f"write direction = {quoted(forces)}")
+                raise self.error("[flow] has no direction", "flow", remedy=f"write direction = {toml(forces)}")
         return self.surface(("criterion",), flow, "[flow]", forces, slots)
 
     def surfaces(self, forces: Sequence[str], slots: Slots) -> tuple[YieldSurface, ...]:
@@ -436,7 +436,7 @@ class _CriterionReader(SectionReader):
             return YieldSurface(g, potential=self.formula(*at))
         if not flow:
             return YieldSurface(g)
-        entries = self.entries(*flow, example=quoted(forces))
+        entries = self.entries(*flow, example=toml(forces))
         if len(entries) != len(slots):
             remedy = f"give one expression for each of {', '.join(name for name, _ in slots)}"
             counts = f"{len(entries)} components for {len(slots)} {'rates' if 'variables' in self.document else 'forces'}"
@@ -472,87 +472,72 @@ def criterion_text(law: Law) -> str:
 
     InputError for a value or an end of a domain that is no finite decimal.
     """
-    lines = ["[criterion]", f"name = {quoted(law.name)}"]
-    lines += [f"{key} = {quoted(value)}" for key, value in (("summary", law.summary), ("source", law.source)) if value]
-    lines += [f"forces = [{', '.join(map(quoted, law.forces))}]"]
-    lines += [f"pressure = {quoted(law.pressure) if law.pressure else 'false'}"]
-    if isinstance(law, Criterion) and not (law.surfaces or law.viscous or law.forces_of_rates):
-        lines += [f"g = {quoted(law.graph.last if law.graph else _text(law, law.g))}", *_potential(law)]
-    if law.constraints:
-        lines += [f"constraints = [{', '.join(quoted(_text(law, c)) for c in law.constraints)}]"]
-    of_state = () if isinstance(law, ParametricCriterion) else (*law.variables, *law.heat)
-    own = {name: domain for name, domain in law.parameters.items() if name not in of_state}
-    if isinstance(law, Criterion) and law.graph:
-        lines += ["", "[define]", *(f"{name} = {quoted(text)}" for name, text in law.graph.nodes)]
-    lines += ["", "[parameters]", *(f"{name} = {_domain(domain, f'{law.name}: {name}')}" for name, domain in own.items())]
+    head: dict[str, Any] = {"name": law.name, "summary": law.summary or None, "source": law.source or None, "forces": law.forces}
+    head["pressure"] = law.pressure or False
+    constraints = {"constraints": _texts(law, law.constraints or None)}
     if isinstance(law, ParametricCriterion):
-        lines += ["", "[boundary]", f"angle = {quoted(law.angle)}", f"T = {_list(law, law.boundary)}"]
-        lines += [f"direction = {_list(law, law.flow)}"] if law.flow is not None else []
-        return "\n".join(lines) + "\n"
-    if law.domain:
-        lines += ["", "[domain]", *(f"{name} = {_domain(own, f'{law.name}: {name}')}" for name, own in law.domain.items())]
-    if law.flow is not None and law.potential is None:
-        of_force = dict(zip(law.forces, law.flow, strict=True))
-        slots = variables_of(law).slots(law.forces)
-        slips = [law.unforced.get(name, sp.S.Zero) if force is None else of_force[force] for name, force in slots]
-        lines += ["", "[flow]", f"direction = {_list(law, slips)}"]
-    lines += _state(law)
-    for surface in law.surfaces:
-        lines += ["", "[[surface]]", f"g = {quoted(_text(law, surface.g))}", *_potential(surface)]
-        lines += [f"flow = {_list(law, surface.flow)}"] if surface.flow is not None and surface.potential is None else []
-    return "\n".join(lines) + "\n"
+        boundary = {"angle": law.angle, "T": _texts(law, law.boundary), "direction": _texts(law, law.flow)}
+        return document_text({"criterion": head | constraints, "parameters": _domains(law, law.parameters), "boundary": boundary})
+    if not (law.surfaces or law.viscous or law.forces_of_rates):
+        head |= {"g": law.graph.last if law.graph else _text(law, law.g), "potential": law.potential}
+    if fixed := [name for name in law.heat if law.parameters[name] != POSITIVE]:
+        what = f"no file states the temperature {fixed[0]} of a body"
+        raise InputError(what, where=law.name, remedy="fix it with --set where the file is used")
+    domains = _domains(law, law.parameters)
+    slips = dict(zip(law.forces, law.flow or (), strict=False)) if law.potential is None else {}
+    flow = [slips[force] if force in slips else law.unforced.get(name, sp.S.Zero) for name, force in variables_of(law).slots(law.forces)]
+    rates = {key: _named(law, getattr(law, key)) or None for key in ("rates", "forces_of_rates")}
+    sections = {
+        "criterion": head | constraints,
+        "define": dict(law.graph.nodes) if law.graph else None,
+        "parameters": {name: own for name, own in domains.items() if name not in (*law.variables, *law.heat)},
+        "domain": _domains(law, law.domain) or None,
+        "flow": {"direction": _texts(law, flow)} if slips else None,
+        "variables": {name: _kind(own) | domains[name] for name, own in law.variables.items()} or None,
+        "energy": None if law.energy is None else {"psi": _text(law, law.energy)},
+        "dissipation": {"potential": _text(law, law.g) if law.viscous else None, **rates} if law.viscous or any(rates.values()) else None,
+        "heat": {"bodies": _named(law, law.heat)} if law.heat else None,
+        "surface": [
+            {"g": _text(law, own.g), "potential": own.potential, "flow": _texts(law, own.flow if own.potential is None else None)}
+            for own in law.surfaces
+        ],
+    }
+    return document_text({name: content for name, content in sections.items() if content is not None})
 
 
-def _state(law: Criterion) -> Iterator[str]:
-    """The sections of a state, where the law has one."""
-    if law.variables:
-        yield from ("", "[variables]")
-    for name, own in law.variables.items():
-        kinds = [f"{kind} = true" for kind in ("observable", "temperature") if getattr(own, kind)]
-        force = [] if own.force is None else [f"force = {quoted(own.force)}"]
-        ends = _domain(law.parameters[name], f"{law.name}: {name}").strip("{ }")
-        yield f"{name} = {{ {', '.join([*kinds, *force, *([ends] if ends else [])])} }}"
-    if law.energy is not None:
-        yield from ("", "[energy]", f"psi = {quoted(_text(law, law.energy))}")
-    if law.viscous or law.rates or law.forces_of_rates:
-        yield from ("", "[dissipation]", *([f"potential = {quoted(_text(law, law.g))}"] if law.viscous else []))
-        for key in ("rates", "forces_of_rates"):
-            yield from ([f"{key} = {_named(law, getattr(law, key))}"] if getattr(law, key) else [])
-    if law.heat:
-        if fixed := [name for name in law.heat if law.parameters[name] != POSITIVE]:
-            what = f"no file states the temperature {fixed[0]} of a body"
-            raise InputError(what, where=law.name, remedy="fix it with --set where the file is used")
-        yield from ("", "[heat]", f"bodies = {_named(law, law.heat)}")
+def _kind(own: Variable) -> dict[str, Any]:
+    return {"observable": own.observable or None, "temperature": own.temperature or None, "force": own.force}
 
 
-def _named(law: Law, formulas: Mapping[str, sp.Expr]) -> str:
-    return f"{{ {', '.join(f'{name} = {quoted(_text(law, x))}' for name, x in formulas.items())} }}"
+def _named(law: Law, formulas: Mapping[str, sp.Expr]) -> dict[str, str]:
+    return {name: _text(law, x) for name, x in formulas.items()}
 
 
-def _potential(stated: Criterion | YieldSurface) -> list[str]:
-    return [] if stated.potential is None else [f"potential = {quoted(stated.potential)}"]
-
-
-def _list(law: Law, formulas: Sequence[sp.Expr]) -> str:
-    return f"[{', '.join(quoted(_text(law, x)) for x in formulas)}]"
+def _texts(law: Law, formulas: Sequence[sp.Basic] | None) -> list[str] | None:
+    return None if formulas is None else [_text(law, x) for x in formulas]
 
 
 def _text(law: Law, expr: sp.Basic) -> str:
     return faithful(expr, law.symbols().values())
 
 
-def _domain(domain: Domain, where: str) -> str:
-    ends = {"min": None if domain.positive else domain.low, "max": domain.high}
-    numbers = ends if domain.value is None else {"value": domain.value}
-    said = ["positive = true"] if domain.positive and domain.value is None else []
-    said += [f"{key} = {_decimal(x, where)}" for key, x in numbers.items() if x is not None]
-    return f"{{ {', '.join(said)} }}" if said else "{}"
+def _domains(law: Law, domains: Mapping[str, Domain]) -> dict[str, dict[str, Any]]:
+    return {name: _domain(own, f"{law.name}: {name}") for name, own in domains.items()}
 
 
-def _decimal(x: sp.Rational, where: str) -> str:
-    """``x`` in full, as TOML writes numbers."""
+def _domain(own: Domain, where: str) -> dict[str, Any]:
+    if own.value is not None:
+        return {"value": _decimal(own.value, where)}
+    low = None if own.positive else own.low
+    return {"positive": own.positive or None, "min": _decimal(low, where), "max": _decimal(own.high, where)}
+
+
+def _decimal(x: sp.Rational | None, where: str) -> Decimal | None:
+    """``x`` in full, if there is one."""
+    if x is None:
+        return None
     exact = Context(int(x.p).bit_length() + int(x.q).bit_length() + 1, Emin=MIN_EMIN, Emax=MAX_EMAX, traps=[Inexact])
     try:
-        return f"{exact.divide(Decimal(int(x.p)), Decimal(int(x.q))):f}"
+        return exact.divide(Decimal(int(x.p)), Decimal(int(x.q)))
     except Inexact:
         raise InputError(f"{x} is no finite decimal", where=where, remedy="give it as a decimal, such as 0.333333") from None

@@ -9,14 +9,15 @@ from __future__ import annotations
 import json
 import re
 import tomllib
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from decimal import Decimal
 from os import PathLike
 from typing import Any
 
 from duhem.errors import InputError
 
-__all__ = ["Key", "PlacedToml", "parsed", "quoted", "text_of"]
+__all__ = ["Key", "PlacedToml", "document_text", "parsed", "text_of", "toml"]
 
 Key = str | int  # of a table by name, of an array by number
 _Path = tuple[Key, ...]
@@ -43,9 +44,25 @@ def text_of(path: str | PathLike[str], kind: str, most_bytes: int, *, absent: st
         raise InputError("this is not text in UTF-8", where=f"{path}:{line}", remedy=f"is it a {kind}?") from None
 
 
-def quoted(value: str | Sequence[str]) -> str:
-    """A text, or a list of texts, as TOML has it: a JSON string of printable text is a basic string of TOML."""
-    return json.dumps(value, ensure_ascii=False)
+def toml(value: Any) -> str:
+    """A text, a truth value, a decimal, a list of texts or a table of these, without what is None, as TOML has it on one line.
+
+    A JSON string of printable text is a basic string of TOML.
+    """
+    if isinstance(value, Mapping):
+        said = ", ".join(f"{key} = {toml(part)}" for key, part in value.items() if part is not None)
+        return f"{{ {said} }}" if said else "{}"
+    return f"{value:f}" if isinstance(value, Decimal) else json.dumps(value, ensure_ascii=False)
+
+
+def document_text(sections: Mapping[str, Mapping[str, Any] | Sequence[Mapping[str, Any]]]) -> str:
+    """A document of sections, or of lists of them, with their keys; what is None is left out."""
+    lines = list[str]()
+    for name, content in sections.items():
+        header, tables = (f"[{name}]", [content]) if isinstance(content, Mapping) else (f"[[{name}]]", content)
+        for table in tables:
+            lines += ["", header, *(f"{key} = {toml(value)}" for key, value in table.items() if value is not None)]
+    return "\n".join(lines[1:]) + "\n"
 
 
 @dataclass(frozen=True)
