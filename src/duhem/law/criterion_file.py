@@ -25,7 +25,7 @@ from duhem.expression.syntax import PlacedText, spelled
 from duhem.expression.text import faithful
 from duhem.law.curve_law import ANGLE, Law, ParametricCriterion, closes
 from duhem.law.domain import POSITIVE, Domain, range_fault
-from duhem.law.formula_law import FORCES, PRESSURE, Criterion, Definitions, YieldSurface, definitions, name_fault
+from duhem.law.formula_law import FORCES, PRESSURE, Criterion, Definitions, YieldSurface, declared_symbols, definitions, name_fault
 from duhem.law.given import Relations
 from duhem.law.learned import table_beside
 from duhem.law.parameter_domain import check_domain
@@ -163,20 +163,18 @@ class _CriterionReader(SectionReader):
         declared += [(spelled(p), "parameters", p) for p in given]
         domains = {name: own.domain for name, own in variables.items()} | dict.fromkeys(map(spelled, bodies), POSITIVE) | domains
         self.check_names(declared, Abbreviations(stress=stress).words())
-        known = {f: symbol(f) for f in forces} | ({pressure: symbol(pressure, nonpositive=True)} if pressure else {})
-        known |= {p: domain.symbol(p) for p, domain in domains.items()}
         dissipation = self.table("dissipation", required=False)
         self.keys("dissipation", dissipation, ("potential", "rates", "forces_of_rates"))
         if "dissipation" in self.document and not dissipation:
             remedy = "write potential, rates or forces_of_rates in it, or remove the section"
             raise self.error("[dissipation] says nothing", "dissipation", remedy=remedy)
-        if of_rates := "forces_of_rates" in dissipation:
-            known |= {rate: symbol(rate) for rate in variables.rates(forces).values()}
+        rates = variables.rates(forces).values() if (of_rates := "forces_of_rates" in dissipation) else ()
         if "boundary" in self.document:
             other = ("g", "potential", "stress", "[flow]", "[surface]", "[domain]", "[energy]", "[variables]", "[heat]")
             self.alone("[boundary]", *other)
             return self.curve(forces, pressure, domains, declared)
-        define = definitions(self.placed[1], known, stress)
+        loads = [*forces, pressure] if pressure else forces
+        define = definitions(self.placed[1], declared_symbols([*loads, *rates], pressure, domains), stress)
         viscous = "potential" in dissipation
         if viscous or of_rates:
             own = f"the {'potential' if viscous else 'forces_of_rates'} of [dissipation]"

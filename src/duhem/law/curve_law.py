@@ -114,17 +114,10 @@ class ParametricCriterion(DeclaredLaw):
         """The same law with some parameters fixed; a value outside its domain is an InputError."""
         domains = Domains(self.parameters).fixed(values, self.name)
         swap, known = swapped(self.symbols(), domains)
-        one, two, *flow = (moved(x, text, swap, known) for x, text in zip(self.components(), self.written, strict=True))
+        found = tuple(moved(x, text, swap, known) for x, text in zip(self.components(), self.written, strict=True))
         constraints, texts = moved_relations(self.constraints, self.written_constraints, swap, known)
-        part = replace(
-            self,
-            boundary=(one, two),
-            parameters=domains,
-            constraints=constraints,
-            written_constraints=texts,
-            flow=None if self.flow is None else (flow[0], flow[1]),
-        )
-        return self._with_part(part)
+        over: dict[str, Any] = {"parameters": domains, "constraints": constraints, "written_constraints": texts}
+        return self._with_part(replace(self, boundary=found[:2], flow=found[2:] or None, **over))
 
 
 def closes(expr: sp.Expr, angle: sp.Symbol) -> bool:

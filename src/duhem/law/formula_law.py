@@ -99,9 +99,9 @@ class YieldSurface(Verbatim):
 
 def as_expression(given: Any, known: Mapping[str, sp.Symbol], where: str, short: Abbreviations) -> sp.Expr:
     """Text, read over the symbols ``known``, or what :func:`duhem.law.given.given_formula` makes of anything else."""
-    return (
-        parse_expression(given, known, where=where, short=short) if isinstance(given, str) else given_formula(given, known.values(), where)
-    )
+    if isinstance(given, str):
+        return parse_expression(given, known, where=where, short=short)
+    return given_formula(given, known.values(), where)
 
 
 def swapped(old: Mapping[str, sp.Symbol], domains: Mapping[str, Domain]) -> tuple[Swap, Known]:
@@ -489,22 +489,20 @@ def _over(law: Criterion, domains: Mapping[str, Domain]) -> Criterion:
     def here(expr: sp.Basic, text: str = "") -> sp.Basic:
         return moved(expr, text, swap, known)
 
-    named: dict[str, Any] = {
+    found: dict[str, Any] = {
         key: {name: here(x, getattr(law, f"written_{key}")[name]) for name, x in getattr(law, key).items()} for key in _NAMED
     }
-    constraints, texts = moved_relations(law.constraints, law.written_constraints, swap, known)
-    return replace(
-        law,
-        g=sp.nan if law.surfaces or law.forces_of_rates else here(law.g, law.written),
-        parameters=domains,
-        constraints=constraints,
-        written_constraints=texts,
-        energy=None if law.energy is None else here(law.energy, law.written_energy),
-        **named,
-        flow=None if law.flow is None or law.potential else tuple(map(here, law.flow, law.written_flow or repeat(""))),
-        surfaces=tuple(s.moved(here) for s in law.surfaces),
-        closed_form=None if law.closed_form is None else converted(law.closed_form, here),
-    )
+    if law.energy is not None:
+        found["energy"] = here(law.energy, law.written_energy)
+    if law.closed_form is not None:
+        found["closed_form"] = converted(law.closed_form, here)
+    found["constraints"], found["written_constraints"] = moved_relations(law.constraints, law.written_constraints, swap, known)
+    if law.surfaces or law.forces_of_rates:
+        found |= {"g": sp.nan, "surfaces": tuple(s.moved(here) for s in law.surfaces)}
+    else:
+        whole = YieldSurface(law.g, law.flow, law.potential, law.written, law.written_flow).moved(here)
+        found |= {"g": whole.g, "flow": whole.flow}
+    return replace(law, parameters=domains, **found)
 
 
 def _stress(given: Any, law: str) -> Stress | None:

@@ -114,10 +114,7 @@ def parsed(text: str, where: str, *, number: Callable[[str], Any] = float) -> Pl
     try:
         document = tomllib.loads(text, parse_float=number)
         placed = PlacedToml(where, text, document, _Scan(text).spots)
-        for path, value in _integers(document):
-            if not -_LARGEST < value < _LARGEST:
-                raise InputError("the number is too long", where=placed.place(*path), remedy=f"at most {_MOST_DIGITS} digits are read")
-        return placed
+        long = next((path for path, value in _integers(document) if not -_LARGEST < value < _LARGEST), None)
     except tomllib.TOMLDecodeError as fault:
         what, _, place = str(fault).partition(" (at ")
         if numbers := re.fullmatch(r"line (\d+), column (\d+)\)", place):
@@ -125,10 +122,11 @@ def parsed(text: str, where: str, *, number: Callable[[str], Any] = float) -> Pl
         else:
             at = f"{where}:{text.count(chr(10), 0, len(text.rstrip())) + 1}" if place else where
         raise InputError(what[:1].lower() + what[1:], where=at, remedy="correct the TOML syntax") from None
-    except InputError:
-        raise
     except (RecursionError, ValueError, ArithmeticError):
         raise InputError("the file nests too deeply or holds a number that is too large", where=where, remedy="simplify it") from None
+    if long is not None:
+        raise InputError("the number is too long", where=placed.place(*long), remedy=f"at most {_MOST_DIGITS} digits are read")
+    return placed
 
 
 def _integers(found: Any, path: _Path = ()) -> Iterator[tuple[_Path, int]]:
