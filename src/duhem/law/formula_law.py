@@ -132,6 +132,9 @@ class Definitions(FrozenMapping[str, str]):
         super().__init__(content)
         self.short = short
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        return Definitions, (dict(self), self.short)
+
     @classmethod
     def of(cls, given: Mapping[str, str], known: Mapping[str, sp.Symbol], stress: Stress | None, law: str) -> Definitions:
         """Those that a program gives ``law``; InputError as :func:`definitions`."""
