@@ -82,10 +82,8 @@ def constant(context: Any, node: Any) -> Any:
     """A number or a truth value of a formula in the precision of ``context``; InputError for anything else."""
     if node.is_Rational:
         return number(context, node)
-    if node is sp.pi:
-        return +context.pi
-    if node is sp.E:
-        return +context.e
+    if node in (sp.pi, sp.E):
+        return +(context.pi if node is sp.pi else context.e)
     if node in (sp.true, sp.false):
         return context.mpf(node is sp.true)
     raise InputError(f"{node} has no value", remedy="give a value for each symbol of the formula")

@@ -6,7 +6,6 @@ sign of such a product stands before brackets, and its divisors stand one by one
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from functools import lru_cache
 from typing import Any
 
@@ -28,17 +27,13 @@ def formula(expr: sp.Basic) -> str:
     return str(_Printer().doprint(reckoned(expr)))
 
 
-def faithful(expr: sp.Basic, known: Iterable[sp.Symbol]) -> str:
+@lru_cache(maxsize=512)
+def faithful(expr: sp.Basic, known: tuple[sp.Symbol, ...]) -> str:
     """The text of a formula or comparison over the symbols ``known``, for whoever reads it instead of the expression.
 
     It is read back here: InputError where that would be another formula.  What cannot be read at all, as its length or a part
     without a value forbids it, no reader takes for another one.
     """
-    return _faithful(expr, tuple(known))
-
-
-@lru_cache(maxsize=512)
-def _faithful(expr: sp.Basic, known: tuple[sp.Symbol, ...]) -> str:
     text, names = formula(expr), {x.name: x for x in known}
     try:
         read = parse_relation(text, names) if isinstance(expr, Relational) else parse_expression(text, names)

@@ -195,9 +195,9 @@ class _CriterionReader(SectionReader):
     def head(self, forces: Sequence[str], pressure: str | None, domains: Mapping[str, Domain], define: Definitions) -> dict[str, Any]:
         """What a law of either kind has."""
         constraints, texts = self.constraints({p: domain.symbol(p) for p, domain in domains.items()}, define, (*forces, pressure))
-        said = {key: self.line("criterion", key, required=key == "name") for key in ("name", "summary", "source")}
-        names = {"parameters": domains, "forces": tuple(forces), "pressure": pressure}
-        return said | names | {"constraints": constraints, "written_constraints": texts, "expect": self.expected()}
+        said: dict[str, Any] = {key: self.line("criterion", key, required=key == "name") for key in ("name", "summary", "source")}
+        said |= {"parameters": domains, "forces": tuple(forces), "pressure": pressure, "expect": self.expected()}
+        return said | {"constraints": constraints, "written_constraints": texts}
 
     def curve(self, forces: Sequence[str], pressure: str | None, domains: Mapping[str, Domain], declared: Sequence[Declared]) -> Law:
         """A law given by its boundary, in an angle and the parameters."""
@@ -516,7 +516,7 @@ def _texts(law: Law, formulas: Sequence[sp.Basic] | None) -> list[str] | None:
 
 
 def _text(law: Law, expr: sp.Basic) -> str:
-    return faithful(expr, law.symbols().values())
+    return faithful(expr, tuple(law.symbols().values()))
 
 
 def _domains(law: Law, domains: Mapping[str, Domain]) -> dict[str, dict[str, Any]]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from contextlib import suppress
 
 import sympy as sp
 
@@ -77,18 +78,12 @@ def _contradictory(law: Law) -> bool:
     reals = Reals(symbols)
     solver = z3.Solver(ctx=reals.context)
     solver.set("rlimit", _STEPS)
-    for s in symbols:
-        for relation in law.parameters[s.name].relations(s):
-            solver.add(reals.term(relation))
+    solver.add(*(reals.term(relation) for s in symbols for relation in law.parameters[s.name].relations(s)))
     for constraint in law.constraints:
         if any(abs(power.exp) > _MOST_EXPONENT for power in constraint.atoms(sp.Pow) if power.exp.is_Integer):
             continue  # leaving a constraint out never makes the rest contradictory
-        try:
-            solver.add(reals.term(constraint))
-            for divisor in _divisors(constraint):  # z3 gives x/0 some value; here a relation without a value does not hold
-                solver.add(reals.relation(divisor, "!="))
-        except InputError:
-            continue
+        with suppress(InputError):  # z3 gives x/0 some value; here a relation without a value does not hold
+            solver.add(reals.term(constraint), *(reals.relation(divisor, "!=") for divisor in _divisors(constraint)))
     try:
         result = solver.check()
     except z3.Z3Exception:
