@@ -21,7 +21,7 @@ import sympy as sp
 from sympy.core.relational import Relational
 
 from duhem.errors import InputError, meant
-from duhem.expression.abbreviations import INVARIANTS, NONE, Abbreviations, WrittenOut, names_in
+from duhem.expression.abbreviations import INVARIANTS, MOST_CHARACTERS, MOST_DEPTH, NONE, Abbreviations, WrittenOut, names_in
 from duhem.expression.build import AS_WRITTEN, EVALUATED, IN_RANGE, UNMADE, Building, settled, unacceptable
 from duhem.expression.fold import Graph, Shared, fold
 from duhem.expression.number import DECIMAL, exact_number
@@ -33,9 +33,7 @@ __all__ = [
     "too_long", "written_out",
 ]  # fmt: skip
 
-MOST_CHARACTERS = 20_000
 MOST_TOKENS = 4_000
-MOST_DEPTH = 60
 MOST_NODES = 8_000  # of what is written out with parts of it repeated
 
 _TOKEN = re.compile(

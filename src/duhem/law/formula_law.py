@@ -576,25 +576,19 @@ def criterion(
         declared = Domains(parameters)
         domains = {a: declared.get(a, POSITIVE) for a in arguments if a not in fixed_names}
         domains |= {n: d for n, d in declared.items() if define and n not in domains}  # for what is defined
-        shell = declared_symbols((*axes, *([load] if load else [])), load, domains)
-        local = Definitions.of(define or {}, shell, of, named)
-        values = shell | {n: parse_expression(n, shell, short=local.short) for n in local}
-        made = called(f, values)
+        any_g = symbol(axes[0]) if axes else sp.nan
+        shell = Criterion(named, any_g, domains, axes, load, stress=of, define=define or {})  # which knows what all names stand for
+        made = called(f, shell.symbols() | shell.defined())
         parts = tuple(made) if isinstance(made, list | tuple) else (made,)
         surfaces = parts if any(isinstance(part, YieldSurface) for part in parts) else ()
-        law = Criterion(
-            name=named,
+        law = replace(
+            shell,
             g=sp.nan if surfaces else made,
-            parameters=domains,
-            forces=axes,
-            pressure=load,
             constraints=constraints,  # type: ignore[arg-type]  # read on construction
             flow=flow,  # type: ignore[arg-type]
             summary=(inspect.getdoc(f) or "").split("\n", 1)[0],
             source=source,
             closed_form=closed_form,
-            stress=of,
-            define=local,
             potential=potential,
             domain=Domains(domain),
             surfaces=surfaces,
