@@ -15,9 +15,10 @@ __all__ = ["PlacedText", "expression_tree", "module_tree", "repeated", "respelle
 
 
 class PlacedText(str):
-    """A text that stands in the file (or law) ``where``, from ``line`` (from 1) and ``column`` (from 0) on; its name stands at ``name_at``.
+    """A text that knows where it stands: in the file or law ``where``, from ``line`` (from 1) and ``column`` (from 0) on.
 
-    A fault in one that was ``made`` of another lies where that begins.  One that is ``alike`` is the text before but for numbers.
+    Its name stands at ``name_at``.  A text that was ``made`` of another has its faults where that one begins.  A text that is ``alike``
+    differs from the one before it in numbers alone.
     """
 
     where: str

@@ -114,7 +114,7 @@ _SECTIONS = (
 )  # fmt: skip
 _PARAMETER = ("positive", "min", "max", "value")
 _VARIABLE = ("force", "observable", "temperature")
-_ZERO = re.compile(r"\s*0+(\.0*)?\s*")
+_ZERO = re.compile(r"\s*0+(\.0*)?\s*")  # the rate of a variable that surfaces leave alone
 _ATLAS = ("equation", "claims", "verdicts", "regions", "note")  # what is said of the law: nothing of it is part of the law
 
 

@@ -404,6 +404,7 @@ class Criterion(DeclaredLaw):
         self._set(surfaces=tuple(surfaces), **vars(whole))
 
     def _check_load(self, given: Any, g: sp.Expr) -> None:
+        """InputError where g, which was ``given``, depends on no force."""
         if not g.free_symbols & set(self.force_symbols()):
             what = "the potential" if self.viscous and isinstance(given, PlacedText) else "g"
             remedy = f"use at least one of {', '.join(self.forces)}"
