@@ -22,7 +22,8 @@ class FrozenMapping(dict[K, V]):
     def _refused(self, *_: Any, **__: Any) -> NoReturn:
         raise TypeError(f"{type(self).__name__} is never changed")
 
-    __setitem__ = __delitem__ = __ior__ = clear = pop = popitem = setdefault = update = _refused
+    __setitem__ = __delitem__ = clear = pop = popitem = setdefault = update = _refused
+    __ior__ = dict.__or__  # type: ignore[assignment]
 
     def __hash__(self) -> int:  # type: ignore[override]
         return hash(frozenset(self.items()))
