@@ -23,7 +23,11 @@ class FrozenMapping(dict[K, V]):
         raise TypeError(f"{type(self).__name__} is never changed")
 
     __setitem__ = __delitem__ = clear = pop = popitem = setdefault = update = _refused
-    __ior__ = dict.__or__  # type: ignore[assignment]
+
+    def __or__(self, other: Any) -> Any:
+        return dict(self) | other
+
+    __ior__ = __or__
 
     def __hash__(self) -> int:  # type: ignore[override]
         return hash(frozenset(self.items()))
