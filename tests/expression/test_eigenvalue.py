@@ -13,7 +13,7 @@ import sympy as sp
 
 import duhem
 from duhem import Criterion, Domain
-from duhem.expression import EigMax, ball_series, balls, build, fold, jets, mpmath_, numpy_, symbol
+from duhem.expression import EigMax, ball_series, balls, fold, jets, mpmath_, numpy_, symbol
 from duhem.expression.branches import TooManyBranchesError, branches
 from duhem.expression.parse import parse_expression
 from duhem.expression.vocabulary import rows
@@ -43,7 +43,7 @@ BY_HAND = [
 def test_by_hand_in_every_arithmetic(entries: tuple[int, ...], greatest: int) -> None:
     here = dict(zip(NAMES, map(sp.Integer, entries), strict=True))
     assert float(numpy_.evaluate(FORM, {x: float(v) for x, v in here.items()})) == pytest.approx(greatest, abs=1e-14)
-    assert fold(FORM, build.TABLE, lambda x: float(here[x])) == pytest.approx(greatest, abs=1e-7)
+    assert fold(FORM, mpmath_.table(mpmath_.doubles()), lambda x: float(here[x])) == pytest.approx(greatest, abs=1e-14)
     assert abs(mpmath_.evaluate(FORM, here, 60) - greatest) < mpmath.mpf("1e-25")
     assert float(EigMax(*entries).evalf(20)) == pytest.approx(greatest, abs=1e-9)
     ball = balls.enclose(FORM, {x: balls.ball(Fraction(int(v))) for x, v in here.items()})

@@ -16,6 +16,7 @@ from duhem.expression import WORDS, Neg, Norm, Pos, Where, symbol
 from duhem.expression.build import call, power, product, total, unacceptable
 from duhem.expression.number import exact_number, fraction, ratio, rational
 from duhem.expression.parse import parse_expression, parse_relation
+from duhem.expression.syntax import PlacedText
 from duhem.expression.text import formula
 
 x, y = symbol("x"), symbol("y")
@@ -24,7 +25,7 @@ KNOWN = {"x": x, "y": y, "m": m, "s": s}
 
 
 def parse(text: str) -> sp.Expr:
-    return parse_expression(text, KNOWN, where="law.toml", line=7, column=4)
+    return parse_expression(PlacedText(text, "law.toml", 7, 4), KNOWN)
 
 
 MEANINGS = {

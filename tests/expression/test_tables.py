@@ -27,7 +27,6 @@ from duhem.expression import (
     Where,
     ball_series,
     balls,
-    build,
     cvxpy_,
     double_double,
     error_bounds,
@@ -50,6 +49,7 @@ MODULES = {
 }  # fmt: skip
 WALKERS = {
     "recording": "records a walk for others",
+    "build": "asks the table of many digits for doubles",
     "branches": "splits kinks and rebuilds any other node as it is",
     "parse": "counts the nodes of a choice that it writes out",
 }
@@ -77,7 +77,6 @@ def test_the_tables_are_found() -> None:
         "ball_series",
         "balls",
         "cvxpy_",
-        "build",
         "jets",
         "mpmath_",
         "numpy_",
@@ -200,7 +199,6 @@ VALUES: dict[str, Callable[[sp.Expr, Mapping[sp.Symbol, float]], Any]] = {
     "ball_series": _by_series,
     "balls": lambda formula, point: _of_ball(balls.enclose(formula, _exact(point))),
     "cvxpy_": lambda formula, point: cvxpy_.expression(formula, point).value,
-    "build": lambda formula, point: fold(formula, build.TABLE, lambda leaf: point.get(leaf) or float(leaf)),
     "jets": _by_jets,
     "mpmath_": lambda formula, point: float(mpmath_.evaluate(formula, point)),
     "numpy_": numpy_.evaluate,
@@ -228,6 +226,13 @@ def test_every_table_that_gives_values_is_tried() -> None:
 def test_values_by_hand(name: str, kind: type) -> None:
     formula, expected = OWN.get((name, kind), ROWS[kind])
     assert VALUES[name](formula, AT) == pytest.approx(expected, rel=4e-16, abs=0)
+
+
+@pytest.mark.parametrize("kind", NODES, ids=lambda kind: kind.__name__)
+def test_the_table_of_many_digits_has_the_same_values_in_doubles(kind: type) -> None:
+    formula, expected = ROWS[kind]
+    found = fold(formula, mpmath_.table(mpmath_.doubles()), lambda leaf: AT.get(leaf) or float(leaf))
+    assert type(found) is float and found == pytest.approx(expected, rel=4e-16, abs=0)
 
 
 SMOOTH = [kind for kind in NODES if not issubclass(kind, sp.core.relational.Relational)]

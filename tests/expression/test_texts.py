@@ -100,7 +100,7 @@ def test_a_support_function_is_read_back(exponent: str) -> None:
     found = support_function(law, {"p": "1.01"})
     assert found is not None
     names = {x.name: x for x in found.potential.free_symbols}
-    assert parse_expression(formula(found.potential), names) == parse_expression(faithful(found.potential, names.values()), names)
+    assert parse_expression(formula(found.potential), names) == parse_expression(faithful(found.potential, tuple(names.values())), names)
     assert "/100/" not in formula(found.potential)
 
 
@@ -119,7 +119,7 @@ def read_as(law: Criterion, text: str) -> sp.Expr:
 def test_an_expression_that_is_read_as_another_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     from duhem.expression import text as printing
 
-    printing._faithful.cache_clear()
+    printing.faithful.cache_clear()
     monkeypatch.setattr(printing, "formula", lambda expr: formula(expr).replace("(13/20)", "13/20"))
     monkeypatch.setattr(registry, "register", lambda *_: None)
 
@@ -130,7 +130,7 @@ def test_an_expression_that_is_read_as_another_is_refused(monkeypatch: pytest.Mo
 
     with pytest.raises(InputError, match=r"read as another formula than the expression it was made of; give the formula as text"):
         law_as_text(decorated)
-    printing._faithful.cache_clear()
+    printing.faithful.cache_clear()
     monkeypatch.undo()
     assert law_as_text(decorated)["g"] == "-mu*(-n)**(13/20) + norm(a, b)"
 
@@ -180,4 +180,4 @@ def test_both_parsers_read(text: str) -> None:
 
 
 def test_a_symbol_is_what_the_law_declares() -> None:
-    assert faithful(symbol("a") ** 2, [symbol("a")]) == "a**2"
+    assert faithful(symbol("a") ** 2, (symbol("a"),)) == "a**2"

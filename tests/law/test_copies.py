@@ -1,8 +1,10 @@
 """A law, and what follows from it, is a value: pickled or copied it equals itself, and says the same."""
 
 import copy
+import operator
 import pickle
 import textwrap
+from dataclasses import replace
 
 import pytest
 import sympy as sp
@@ -75,10 +77,25 @@ def test_a_derivation_equals_its_copies_and_reads_the_same(name):
         assert [sp.srepr(e.relation) for e in back] == [sp.srepr(e.relation) for e in derivation]
 
 
+def test_definitions_are_copied_with_all_that_they_stand_for():
+    law = duhem.Criterion("x", "p - k", {"m": duhem.POSITIVE}, define={"k": "2*m", "p": "norm(sigma_a, sigma_b) - k"})
+    for back in (pickled(law), copy.copy(law), copy.deepcopy(law), replace(law)):
+        assert back == law and back.define == law.define and back.define.short == law.define.short and back.defined() == law.defined()
+
+
 def test_the_domains_of_a_law_cannot_be_changed():
     law = duhem.load("coulomb")
-    with pytest.raises(TypeError):
-        law.parameters["mu"] = Domain()
+    before, one = dict(law.parameters), {"mu": Domain()}
+    for change in (
+        lambda own: operator.setitem(own, "mu", Domain()), lambda own: operator.delitem(own, "mu"), lambda own: own.update(one),
+        lambda own: own.setdefault("nu", Domain()), lambda own: own.pop("mu"), lambda own: own.popitem(), lambda own: own.clear(),
+    ):  # fmt: skip
+        with pytest.raises(TypeError, match="Domains"):
+            change(law.parameters)
+    own = law.parameters
+    for made in (own | one, one | own, operator.ior(own, one), own.copy()):
+        assert type(made) is dict and made.keys() == own.keys()
+    assert law.parameters is own and own == before
     with pytest.raises(AttributeError):
         law.parameters = {}
     given = {"mu": Domain.between(0, 1)}

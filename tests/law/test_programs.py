@@ -15,7 +15,6 @@ from sympy.physics.units import meter
 from duhem import Criterion, Domain, InputError, ParametricCriterion, YieldSurface, criterion
 from duhem.expression.vocabulary import Where
 from duhem.law.criterion_file import reads
-from duhem.law.curve_law import parametric
 from duhem.law.shapes import Disk
 
 A, B = sp.symbols("a b", real=True)
@@ -164,8 +163,6 @@ def test_arguments_are_the_names_of_the_law_however_they_are_passed() -> None:
     for given in (5, "a", dict):
         with pytest.raises(InputError, match="no function"):
             make(given)
-    with pytest.raises(InputError, match="names nothing"):
-        parametric(name="x")(lambda phi, *k: (sp.cos(phi), sp.sin(phi)))
 
 
 def test_a_function_that_cannot_take_symbols_is_refused_with_its_cause() -> None:

@@ -313,13 +313,13 @@ def test_what_is_no_curve(made: Callable[[], Any], said: str) -> None:
 
 def test_a_curve_in_a_module_of_ones_own(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (tmp_path / "my_curves.py").write_text(
-        "from sympy import cos, sin\nfrom duhem.law.curve_law import parametric\n"
-        "@parametric(flow=['cos(phi)', 'sin(phi)'], instead='coulomb')\n"
-        "def round_off(phi, mu):\n    'A circle.'\n    return mu * cos(phi), mu * sin(phi)\n"
+        "from duhem import POSITIVE, ParametricCriterion\n"
+        "round_off = ParametricCriterion('round-off', ('mu*cos(phi)', 'mu*sin(phi)'), {'mu': POSITIVE},\n"
+        "    flow=('cos(phi)', 'sin(phi)'), instead='coulomb')\n"
     )
     monkeypatch.syspath_prepend(tmp_path)
     law = load("my_curves:round_off")
-    assert law.name == "round-off" and law.summary == "A circle." and load("round-off") is law
+    assert law.name == "round-off"
     assert verify(law).generalized_standard is True
     with pytest.raises(InputError, match="such as coulomb"):
         duhem.project(law, [1.0, 0.0], -1.0, 1.0, {"mu": 1})

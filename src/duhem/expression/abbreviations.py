@@ -27,10 +27,10 @@ from typing import NamedTuple, NoReturn
 
 from duhem.errors import InputError
 from duhem.expression.number import DECIMAL
-from duhem.expression.syntax import expression_tree, spelled
+from duhem.expression.syntax import PlacedText, expression_tree, spelled
 from duhem.expression.vocabulary import nested
 
-__all__ = ["INVARIANTS", "KINDS", "NONE", "Abbreviations", "Indexed", "Stress", "WrittenOut", "WrittenOver", "component", "names_in"]
+__all__ = ["INVARIANTS", "KINDS", "NONE", "Abbreviations", "Indexed", "Stress", "WrittenOut", "component", "names_in"]
 
 KINDS: Mapping[str, tuple[str, ...]] = {
     "3d": ("xx", "yy", "zz", "yz", "xz", "xy"),
@@ -39,6 +39,7 @@ KINDS: Mapping[str, tuple[str, ...]] = {
 }
 _ENDS = ("xx", "yy", "zz", "yz", "xz", "xy", "zy", "zx", "yx", "1", "2", "3")  # of names that may be meant for components
 _MOST_OF_A_COMPONENT = 5_000  # letters, where definitions are written out
+MOST_CHARACTERS, MOST_DEPTH = 20_000, 60  # of a formula that is read
 
 
 @dataclass(frozen=True)
@@ -367,14 +368,10 @@ NONE = Abbreviations()
 _INDEXED = re.compile(r"\[|(?<!\w)(?:sum|max_over|vector)\s*\(")
 _ALLOWED = re.compile(r"[\w\s.+\-*/(),<>=\[\]]*")
 _MOST_IN_ALL = 50_000_000
-_MOST_CHARACTERS, _MOST_DEPTH, _MOST_TERMS = 20_000, 60, 20_000
+_MOST_TERMS = 20_000
 _WHOLE = "an index is a whole number, an index of a sum, or made of these by + - *"
 _USAGE = "write {0}(i, 1, 24, ...)"
 _Scope = Mapping[str, int]
-
-
-class WrittenOver(str):
-    """A text that was made of another: a fault in it lies where that begins."""
 
 
 def component(name: str, i: int) -> str:
@@ -390,7 +387,7 @@ class Indexed:
     vectors: Mapping[str, int] = field(default_factory=dict)
     taken: frozenset[str] = frozenset()
 
-    def written_over(self, text: str) -> str:
+    def written_over(self, text: PlacedText) -> PlacedText:
         """``text`` without indices; as it is where it has none, or a sign that is none of the language, which its reader finds.
 
         InputError, without a place, for what is wrong with an index.
@@ -398,25 +395,25 @@ class Indexed:
         if not _INDEXED.search(text) or not _ALLOWED.fullmatch(text):
             return text
         tree, source = _read(text)
-        return WrittenOver(_Writer(self, source).text(tree, {}))
+        return text.made_into(_Writer(self, source).text(tree, {}))
 
-    def parts(self, text: str) -> list[str] | None:
+    def parts(self, text: PlacedText) -> list[PlacedText] | None:
         """The formulas of a text that is a vector; None for any other."""
         if not re.match(r"\s*vector\s*\(", text) or not _ALLOWED.fullmatch(text):
             return None
         tree, source = _read(text)
         if not (isinstance(tree, ast.Call) and isinstance(tree.func, ast.Name) and tree.func.id == "vector"):
             raise InputError("a vector stands beside something else", remedy='define it alone: z = "vector(i, 1, 24, ...)"')
-        return list(map(WrittenOver, _Writer(self, source).within(_MOST_IN_ALL, tree, {})))
+        return list(map(text.made_into, _Writer(self, source).within(_MOST_IN_ALL, tree, {})))
 
 
 def _read(text: str) -> tuple[ast.expr, bytes]:
     """The tree of a text, and what its places count in; nothing of it is executed."""
     text = re.sub(r"\s", " ", text)
-    if len(text) > _MOST_CHARACTERS:
-        raise InputError(f"the formula has {len(text)} characters", remedy=f"at most {_MOST_CHARACTERS} are read")
-    if max(accumulate((mark in "([") - (mark in ")]") for mark in text), default=0) > _MOST_DEPTH:
-        raise InputError("the formula is nested too deeply", remedy=f"at most {_MOST_DEPTH} brackets deep")
+    if len(text) > MOST_CHARACTERS:
+        raise InputError(f"the formula has {len(text)} characters", remedy=f"at most {MOST_CHARACTERS} are read")
+    if max(accumulate((mark in "([") - (mark in ")]") for mark in text), default=0) > MOST_DEPTH:
+        raise InputError("the formula is nested too deeply", remedy=f"at most {MOST_DEPTH} brackets deep")
     try:
         return expression_tree(f"({text})"), f"({text})".encode()
     except (SyntaxError, ValueError, RecursionError, MemoryError):
@@ -453,9 +450,9 @@ class _Writer:
                 return self.entry(spelled(name), [self.whole(x, scope) for x in (place.elts if isinstance(place, ast.Tuple) else [place])])
             case ast.Call(func=ast.Name(id="sum")):
                 plain = len(part.args) == 4 and _is_factor(part.args[3])
-                return f"({' + '.join(x if plain else f'({x})' for x in self.within(_MOST_CHARACTERS, part, scope))})"
+                return f"({' + '.join(x if plain else f'({x})' for x in self.within(MOST_CHARACTERS, part, scope))})"
             case ast.Call(func=ast.Name(id="max_over")):
-                return nested("max", list(self.within(_MOST_CHARACTERS, part, scope)))
+                return nested("max", list(self.within(MOST_CHARACTERS, part, scope)))
         self.refuse(part, "a vector or a table stands where a formula should", "take one entry of it, as in w[1, 2] or z[1]")
 
     def within(self, most: int, call: ast.Call, scope: _Scope) -> Iterator[str]:

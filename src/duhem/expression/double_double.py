@@ -132,16 +132,14 @@ def _root(a: Pair) -> Pair:
 
 
 def _power(node: Any) -> Callable[[Pair, Pair], Pair]:
-    exponent = node.exp
-    if not (exponent.is_Rational and exponent.q in (1, 2) and abs(exponent.p) <= 64):
+    if not (node.exp.is_Rational and node.exp.q in (1, 2) and abs(node.exp.p) <= 64):
         raise InputError(f"no meaning is given to {node} in pairs of doubles", remedy="use balls")
+    return partial(_raised, node.exp)
 
-    def row(base: Pair, _: Pair) -> Pair:
-        root = base if exponent.q == 1 else _root(base)
-        whole = reduce(product, [root] * abs(int(exponent.p)))
-        return whole if exponent.p > 0 else _quotient(Pair(1.0, 0.0), whole)
 
-    return row
+def _raised(exponent: sp.Rational, base: Pair, _: Pair) -> Pair:
+    whole = reduce(product, [base if exponent.q == 1 else _root(base)] * abs(int(exponent.p)))
+    return whole if exponent.p > 0 else _quotient(Pair(1.0, 0.0), whole)
 
 
 def _chosen(condition: Any, a: Pair, b: Pair) -> Pair:

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property, partial
+from functools import cached_property, lru_cache, partial
 from hashlib import sha256
 from operator import itemgetter
 from typing import Any, TypeVar
@@ -137,14 +137,8 @@ def same(value: Any, *_: Any) -> Any:
 
 def once_a_precision(precision: Callable[[], int], worked_out: Callable[[], Any]) -> Step:
     """The step of a number that is worked out anew at each precision, and once at that."""
-    known: dict[int, Any] = {}
-
-    def step() -> Any:
-        if (bits := precision()) not in known:
-            known[bits] = worked_out()
-        return known[bits]
-
-    return step
+    known = lru_cache(maxsize=None)(lambda _: worked_out())
+    return lambda: known(precision())
 
 
 def bound(table: Table[Any]) -> Table[Step]:

@@ -61,7 +61,7 @@ def doubles() -> Any:
     from mpmath.ctx_fp import FPContext
 
     context = FPContext()
-    for name in ("asinh", "acosh", "atanh", "isfinite"):  # which it lacks
+    for name in ("asinh", "acosh", "atanh", "hypot", "isfinite"):  # which it lacks
         setattr(context, name, getattr(math, name))
     return context
 
@@ -82,10 +82,8 @@ def constant(context: Any, node: Any) -> Any:
     """A number or a truth value of a formula in the precision of ``context``; InputError for anything else."""
     if node.is_Rational:
         return number(context, node)
-    if node is sp.pi:
-        return +context.pi
-    if node is sp.E:
-        return +context.e
+    if node in (sp.pi, sp.E):
+        return +(context.pi if node is sp.pi else context.e)
     if node in (sp.true, sp.false):
         return context.mpf(node is sp.true)
     raise InputError(f"{node} has no value", remedy="give a value for each symbol of the formula")
@@ -142,7 +140,7 @@ def table(context: Any) -> Table[Any]:
         sp.Pow: power,
         sp.Abs: lambda _, x: abs(x),
         **{word.node: elementary(word) for word in ELEMENTARY.values()},
-        Atan2: lambda _, y, x: context.atan2(y, x) if x or y else nan,
+        Atan2: lambda _, y, x: context.atan2(y + zero, x) if x or y else nan,  # -0 is 0
         sp.Min: extreme(min),
         sp.Max: extreme(max),
         Pos: lambda _, x: extreme(max)(_, x, zero),

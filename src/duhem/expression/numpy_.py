@@ -92,15 +92,12 @@ def constant(node: Any) -> float:
     """A number or a truth value of a formula, correctly rounded."""
     if node.is_Rational:
         return _quotient(node)
-    if node is sp.pi:
-        return math.pi
-    if node is sp.E:
-        return math.e
-    if node in (sp.true, sp.false):
-        return float(node is sp.true)
-    if node in UNDEFINED:
-        return math.nan
+    if node in _CONSTANTS:
+        return _CONSTANTS[node]
     raise InputError(f"{node} has no value", remedy="give a value for each symbol of the formula")
+
+
+_CONSTANTS = {sp.pi: math.pi, sp.E: math.e, sp.true: 1.0, sp.false: 0.0, **dict.fromkeys(UNDEFINED, math.nan)}
 
 
 def _quotient(number: Any) -> float:

@@ -21,11 +21,11 @@ import sympy as sp
 from sympy.core.relational import Relational
 
 from duhem.errors import InputError, meant
-from duhem.expression.abbreviations import INVARIANTS, NONE, Abbreviations, WrittenOut, WrittenOver, names_in
+from duhem.expression.abbreviations import INVARIANTS, MOST_CHARACTERS, MOST_DEPTH, NONE, Abbreviations, WrittenOut, names_in
 from duhem.expression.build import AS_WRITTEN, EVALUATED, IN_RANGE, UNMADE, Building, settled, unacceptable
 from duhem.expression.fold import Graph, Shared, fold
 from duhem.expression.number import DECIMAL, exact_number
-from duhem.expression.syntax import expression_tree, spelled
+from duhem.expression.syntax import PlacedText, expression_tree, spelled
 from duhem.expression.vocabulary import MOST_ARGUMENTS, NODES, WORDS, symbol
 
 __all__ = [
@@ -33,9 +33,7 @@ __all__ = [
     "too_long", "written_out",
 ]  # fmt: skip
 
-MOST_CHARACTERS = 20_000
 MOST_TOKENS = 4_000
-MOST_DEPTH = 60
 MOST_NODES = 8_000  # of what is written out with parts of it repeated
 
 _TOKEN = re.compile(
@@ -60,17 +58,14 @@ _COMPARISONS: dict[type[ast.cmpop], type[Relational]] = {
 }  # fmt: skip
 
 
-def parse_expression(
-    text: str, known: Mapping[str, sp.Symbol], *, where: str = "formula", line: int = 1, column: int = 0, short: Abbreviations = NONE
-) -> sp.Expr:
+def parse_expression(text: str, known: Mapping[str, sp.Symbol], *, where: str = "formula", short: Abbreviations = NONE) -> sp.Expr:
     """The formula ``text`` over the symbols ``known``, as a real SymPy expression.
 
-    ``where``, ``line`` (from 1) and ``column`` (from 0) say where the text begins, for the messages; ``short`` holds the
-    abbreviations it may use.
+    ``where`` says where a text stands that does not know it, for the messages; ``short`` holds the abbreviations it may use.
     Decimals are exact rationals.  Raises InputError for anything outside the language, for values that are not
     real and finite (``log(0)``, ``sqrt(-1)``), and for what would be too large to compute.
     """
-    reader = _Reader.over(text, known, _Place(where, line, column, text), short=short)
+    reader = _Reader.over(text, known, where, short=short)
     tree = reader.syntax()
     return reader.finished(tree, reader.value(tree, 0))
 
@@ -86,7 +81,7 @@ def parse_as_written(text: str, known: Mapping[str, sp.Expr], build: Building = 
 
     For a text that :func:`parse_expression` or :func:`parse_relation` accepts; made to be walked and evaluated, not to be calculated with.
     """
-    reader = _Reader.over(text, known, _Place("formula", 1, 0, text), build)
+    reader = _Reader.over(text, known, "formula", build)
     tree = reader.syntax()
     if not isinstance(tree, ast.Compare):
         return reader.value(tree, 0)
@@ -111,27 +106,23 @@ def too_long(text: str, short: Abbreviations) -> bool:
     return len(made) > MOST_CHARACTERS or _has_too_many_tokens(made)
 
 
-def check_size(text: str, *, where: str = "formula", line: int = 1, column: int = 0) -> None:
+def check_size(text: PlacedText) -> None:
     """InputError where a formula, of which nothing else is to be checked, is longer than what is read."""
-    place = _Place(where, line, column, text)
+    place = _Place(text)
     place.check_length()
     if _has_too_many_tokens(text):
         raise place.too_large()
 
 
-def check_formula(
-    text: str, names: Collection[str], *, where: str = "formula", line: int = 1, column: int = 0, short: Abbreviations = NONE
-) -> None:
+def check_formula(text: str, names: Collection[str], where: str, short: Abbreviations) -> None:
     """InputError where the ``text`` is no formula over the ``names``; no value is made of it, so that it may be long."""
-    reader = _Reader.over(text, dict.fromkeys(names, sp.S.Zero), _Place(where, line, column, text), UNMADE, short)
+    reader = _Reader.over(text, dict.fromkeys(names, sp.S.Zero), where, UNMADE, short)
     reader.value(reader.syntax(), 0)
 
 
-def parse_relation(
-    text: str, known: Mapping[str, sp.Symbol], *, where: str = "constraint", line: int = 1, column: int = 0, short: Abbreviations = NONE
-) -> Relational:
+def parse_relation(text: str, known: Mapping[str, sp.Symbol], *, where: str = "constraint", short: Abbreviations = NONE) -> Relational:
     """One comparison such as ``e < mu_b``.  One that always holds is kept as written; one that never does raises InputError."""
-    reader = _Reader.over(text, known, _Place(where, line, column, text), short=short)
+    reader = _Reader.over(text, known, where, short=short)
     tree = reader.syntax()
     if not isinstance(tree, ast.Compare):
         raise reader.place.error(f"{reader.quote(tree)} is no comparison", remedy="compare two expressions with < <= > or >=")
@@ -146,19 +137,16 @@ def parse_relation(
 class _Place:
     """Where a text stands, so that an offset in it becomes file:line:column."""
 
-    where: str
-    line: int
-    column: int
-    text: str
+    text: PlacedText
     made: WrittenOut | None = None  # what is read instead of it, abbreviations written out
 
     def error(self, what: str, *, at: int = 0, remedy: str = "") -> InputError:
         """A fault at an offset in what is read."""
         at = self.made.origin(at) if self.made else at
-        before = "" if isinstance(self.text, WrittenOver) else self.text[:at]
+        before = "" if self.text.made else self.text[:at]
         row = before.count("\n")
-        column = len(before) - (before.rfind("\n") + 1) + (self.column if row == 0 else 0)
-        return InputError(what, where=f"{self.where}:{self.line + row}:{column + 1}", remedy=remedy)
+        column = len(before) - (before.rfind("\n") + 1) + (self.text.column if row == 0 else 0)
+        return InputError(what, where=f"{self.text.where}:{self.text.line + row}:{column + 1}", remedy=remedy)
 
     def too_large(self, at: int = 0) -> InputError:
         return self.error("the formula is too large", at=at, remedy=f"at most {MOST_TOKENS} names, numbers and signs are read")
@@ -176,16 +164,16 @@ class _Reader:
     text: str
     known: Mapping[str, sp.Expr]
     place: _Place
-    starts: tuple[int, ...]
     build: Building
     short: Abbreviations
 
     @classmethod
     def over(
-        cls, text: str, known: Mapping[str, sp.Expr], place: _Place, build: Building = EVALUATED, short: Abbreviations = NONE
+        cls, given: str, known: Mapping[str, sp.Expr], where: str, build: Building = EVALUATED, short: Abbreviations = NONE
     ) -> _Reader:
-        text = text.replace("\r", " ")  # line ends of other systems; offsets stay as they are
+        place = _Place(given if isinstance(given, PlacedText) else PlacedText(given, where))
         place.check_length()
+        text = given.replace("\r", " ")  # line ends of other systems; offsets stay as they are
         names = {spelled(name): symbol for name, symbol in known.items()}
         for name in names:
             if name in WORDS or name in short.words() or name == "pi" or iskeyword(name):
@@ -193,8 +181,7 @@ class _Reader:
         if short != NONE:
             made = short.written_out(text, lambda what, at, remedy: place.error(what, at=at, remedy=remedy), MOST_CHARACTERS)
             text, place = made.text, replace(place, made=made)
-        starts = [0, *(m.end() for m in re.finditer("\n", text))]
-        return cls(text, names, place, tuple(starts), build, short)
+        return cls(text, names, place, build, short)
 
     # -- tokens ------------------------------------------------------------------------------------------------
 
@@ -285,26 +272,24 @@ class _Reader:
     # -- syntax ------------------------------------------------------------------------------------------------
 
     def syntax(self) -> ast.expr:
-        """The syntax tree of a text whose tokens are all known; brackets around it let it run over several lines."""
+        """The syntax tree of a text whose tokens are all known, read as one line."""
         self.check_tokens()
         try:
-            return expression_tree(f"({self.text}\n)")
+            return expression_tree(f"({self.text})".replace("\n", " "))
         except SyntaxError as fault:  # the tokens are in order, so only Python's own limits are left
             raise self.place.error(f"the formula cannot be read: {fault.msg}", remedy="split it into smaller parts") from None
         except (RecursionError, MemoryError, ValueError):
             raise self.place.error("the formula is nested too deeply", remedy="split it into smaller parts") from None
 
     def start(self, node: ast.expr) -> int:
-        return self.offset(node.lineno, node.col_offset)
+        return self.offset(node.col_offset)
 
-    def offset(self, line: int, byte: int) -> int:
+    def offset(self, byte: int) -> int:
         """Of a place that Python's parser names, which has read one bracket more at the beginning."""
-        row = self.text.split("\n")[line - 1]
-        characters = len(row.encode()[: max(byte - (line == 1), 0)].decode(errors="ignore"))
-        return self.starts[line - 1] + characters
+        return len(self.text.encode()[: max(byte - 1, 0)].decode(errors="ignore"))
 
     def end(self, node: ast.expr) -> int:
-        return self.offset(node.end_lineno or 1, node.end_col_offset or 0)
+        return self.offset(node.end_col_offset or 0)
 
     def segment(self, node: ast.expr) -> str:
         return self.text[self.start(node) : self.end(node)]
@@ -432,9 +417,9 @@ def _chain(node: ast.BinOp, family: tuple[type[ast.operator], ...]) -> tuple[ast
 # -- formulas kept as graphs --------------------------------------------------------------------------------------------
 
 
-def parse_graph(text: str, known: Mapping[str, sp.Symbol], short: Abbreviations, *, where: str, line: int = 1, column: int = 0) -> Shared:
+def parse_graph(text: str, known: Mapping[str, sp.Symbol], short: Abbreviations, where: str) -> Shared:
     """The formula over the symbols ``known`` and the definitions of ``short``; InputError for anything outside the language."""
-    check_formula(text, [*known, *short.own], where=where, line=line, column=column, short=short.alone())
+    check_formula(text, [*known, *short.own], where, short.alone())
     last = own_text(text, short)
     nodes = tuple((name, short.own[name]) for name in short.used_by(last))
     used = names_in(last).union(*(names_in(formula) for _, formula in nodes))

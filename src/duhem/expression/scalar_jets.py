@@ -335,11 +335,9 @@ class _Writer:
     def times(self, factor: str, x: _Jet) -> _Jet:
         return replace(self.weighted([(factor, x)]), value=self.let(f"{factor} * {x.value}"))
 
-    def absolute(self, _: Any, x: _Jet) -> _Jet:
-        side = self.chosen(f"-1 if {x.value} < 0.0 else 1")
-        return self.times(self.let(f"float({side})"), x)
-
     def ramp(self, node: Any, x: _Jet) -> _Jet:
+        if isinstance(node, sp.Abs):
+            return self.times(self.let(f"float({self.chosen(f'-1 if {x.value} < 0.0 else 1')})"), x)
         side = self.chosen(f"1 if {x.value} {'>= 0.0' if node.slope > 0 else '< 0.0'} else 0")
         return self.times(self.let(f"{float(node.slope)} * {side}"), x)
 
@@ -377,11 +375,8 @@ TABLE: Mapping[type, Callable[..., _Jet]] = {
     Norm: lambda to, _, *parts: to.norm(sp.Integer(2), *parts),
     EigMax: _Writer.eigenvalue,
     PNorm: lambda to, node, _, *parts: to.norm(node.args[0], *parts),
-    sp.Abs: _Writer.absolute,
-    Pos: _Writer.ramp,
-    Neg: _Writer.ramp,
-    sp.Max: _Writer.extreme,
-    sp.Min: _Writer.extreme,
+    **dict.fromkeys((sp.Abs, Pos, Neg), _Writer.ramp),
+    **dict.fromkeys((sp.Max, sp.Min), _Writer.extreme),
     Where: _Writer.choice,
     **{kind: partial(_compared, kind.rel_op) for kind in COMPARISONS},  # type: ignore[attr-defined]
 }

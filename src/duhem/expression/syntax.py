@@ -1,4 +1,4 @@
-"""Texts as Python's parser reads them: syntax trees, made by one thread at a time, and names, of which Unicode has several spellings."""
+"""Texts: where they stand, as Python's parser reads them (syntax trees, made by one thread at a time), and names in Unicode's spellings."""
 
 from __future__ import annotations
 
@@ -6,12 +6,39 @@ import ast
 from collections import Counter
 from collections.abc import Iterable, Mapping
 from threading import RLock
-from typing import Any
+from typing import Any, Self
 from unicodedata import normalize
 
 from duhem.errors import InputError
 
-__all__ = ["expression_tree", "module_tree", "repeated", "respelled", "spelled"]
+__all__ = ["PlacedText", "expression_tree", "module_tree", "repeated", "respelled", "spelled"]
+
+
+class PlacedText(str):
+    """A text that knows where it stands: in the file or law ``where``, from ``line`` (from 1) and ``column`` (from 0) on.
+
+    Its name stands at ``name_at``.  A text that was ``made`` of another has its faults where that one begins.  A text that is ``alike``
+    differs from the one before it in numbers alone.
+    """
+
+    where: str
+    line: int
+    column: int
+    name_at: str
+    made: bool
+    alike: bool
+
+    def __new__(
+        cls, text: str, where: str, line: int = 1, column: int = 0, name_at: str = "", made: bool = False, alike: bool = False
+    ) -> Self:
+        placed = super().__new__(cls, text)
+        vars(placed).update(where=where, line=line, column=column, name_at=name_at, made=made, alike=alike)
+        return placed
+
+    def made_into(self, text: str) -> PlacedText:
+        """Another text that is read in the place of this one."""
+        return PlacedText(text, self.where, self.line, self.column, self.name_at, made=True)
+
 
 _TURN = RLock()
 """CPython counts how deep a tree is that it makes in one place for all threads; another thread may come in while it makes one, with the

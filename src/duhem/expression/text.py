@@ -6,7 +6,6 @@ sign of such a product stands before brackets, and its divisors stand one by one
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from functools import lru_cache
 from typing import Any
 
@@ -16,7 +15,6 @@ from sympy.printing.str import StrPrinter
 
 from duhem.errors import InputError
 from duhem.expression.build import settled
-from duhem.expression.fold import Shared
 from duhem.expression.number import MOST_DIGITS, reckoned
 from duhem.expression.parse import parse_expression, parse_relation
 from duhem.expression.vocabulary import Where, nested
@@ -29,17 +27,13 @@ def formula(expr: sp.Basic) -> str:
     return str(_Printer().doprint(reckoned(expr)))
 
 
-def faithful(expr: sp.Basic, known: Iterable[sp.Symbol]) -> str:
+@lru_cache(maxsize=512)
+def faithful(expr: sp.Basic, known: tuple[sp.Symbol, ...]) -> str:
     """The text of a formula or comparison over the symbols ``known``, for whoever reads it instead of the expression.
 
     It is read back here: InputError where that would be another formula.  What cannot be read at all, as its length or a part
     without a value forbids it, no reader takes for another one.
     """
-    return _faithful(expr, tuple(known))
-
-
-@lru_cache(maxsize=512)
-def _faithful(expr: sp.Basic, known: tuple[sp.Symbol, ...]) -> str:
     text, names = formula(expr), {x.name: x for x in known}
     try:
         read = parse_relation(text, names) if isinstance(expr, Relational) else parse_expression(text, names)
@@ -81,9 +75,6 @@ class _Printer(StrPrinter):
 
     def _word(self, name: str, args: Any) -> str:
         return f"{name}({', '.join(self._print(a) for a in args)})"
-
-    def _print_Shared(self, expr: Shared) -> str:
-        return str(expr.graph)
 
     def _print_Function(self, expr: sp.Function) -> str:
         return self._word(type(expr).__name__.lower(), expr.args)

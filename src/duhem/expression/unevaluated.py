@@ -53,7 +53,7 @@ def _recorded(value: Any) -> Any:
         return _record(value) if value.args else value
     if isinstance(value, (tuple, list)):
         return type(value)(map(_recorded, value))
-    if isinstance(value, dict):
+    if type(value) is dict:
         return {_recorded(key): _recorded(item) for key, item in value.items()}
     return value
 

@@ -12,7 +12,7 @@ import sys
 from collections.abc import Mapping
 from dataclasses import replace
 from difflib import get_close_matches
-from functools import cache
+from functools import cache, reduce
 from importlib import import_module
 from itertools import chain, takewhile
 from pathlib import Path
@@ -182,13 +182,13 @@ def _module(file: Path) -> str:
 @cache
 def _read_once(name: str, file: Path) -> Law:
     if file.suffix == ".py":
-        import_module(_module(file))
-        return registered()[name]
+        law: Law = getattr(import_module(_module(file)), file.stem)
+        return law
     from duhem.law.formula_law import Criterion
     from duhem.law.shapes import BUILT_IN
 
-    law, shape = _from_file(file), BUILT_IN.get(name)
-    return replace(law, closed_form=shape) if shape and isinstance(law, Criterion) else law
+    read, shape = _from_file(file), BUILT_IN.get(name)
+    return replace(read, closed_form=shape) if shape and isinstance(read, Criterion) else read
 
 
 def _added() -> Mapping[str, EntryPoint]:
@@ -226,11 +226,8 @@ def attribute(reference: str, shown: str) -> Any:
     if not all(part.isidentifier() for part in (*module.split("."), *path.split("."))):
         raise InputError(f"{shown[:60]!r} is not of the form module:attribute", remedy="write for example mylaws:ellipse")
     try:
-        found: Any = import_module(module)
-        for part in path.split("."):
-            found = getattr(found, part)
+        return reduce(getattr, path.split("."), import_module(module))
     except (Exception, SystemExit) as fault:  # whatever the module does on import is the caller's, and so is its error
         reason = f"{type(fault).__name__}: {' '.join(str(fault).split())}"
         what = f"{shown[:60]} cannot be imported ({reason})"
         raise InputError(what, remedy="check its name and that its folder is on the path") from fault
-    return found

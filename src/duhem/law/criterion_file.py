@@ -7,10 +7,10 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from decimal import MAX_EMAX, MIN_EMIN, Context, Decimal, Inexact
-from functools import cached_property, partial
+from functools import cached_property
 from os import PathLike
 from pathlib import Path
 from typing import Any, TypeVar
@@ -20,22 +20,21 @@ import sympy as sp
 from duhem.errors import InputError, faults_at, meant
 from duhem.expression import WORDS, symbol
 from duhem.expression.abbreviations import INVARIANTS, Abbreviations, Indexed, Stress, component
-from duhem.expression.parse import parse_expression, parse_graph, parse_relation, too_long, written_out
-from duhem.expression.syntax import spelled
+from duhem.expression.parse import parse_expression, parse_relation, written_out
+from duhem.expression.syntax import PlacedText, spelled
 from duhem.expression.text import faithful
 from duhem.law.curve_law import ANGLE, Law, ParametricCriterion, closes
 from duhem.law.domain import POSITIVE, Domain, range_fault
-from duhem.law.formula_law import FORCES, PRESSURE, Criterion, Definitions, PlacedFormula, YieldSurface, definitions, flow_of, name_fault
+from duhem.law.formula_law import FORCES, PRESSURE, Criterion, Definitions, YieldSurface, declared_symbols, definitions, name_fault
 from duhem.law.given import Relations
 from duhem.law.learned import table_beside
 from duhem.law.parameter_domain import check_domain
-from duhem.law.placed_toml import Key, PlacedToml, parsed, quoted, text_of
+from duhem.law.placed_toml import Key, PlacedToml, document_text, parsed, text_of, toml
 from duhem.law.state import Variable, Variables, misfits, variables_of
 
 __all__ = ["MOST_BYTES", "SectionReader", "criterion_text", "expected_verdicts", "read", "reads"]
 
 Declared = tuple[str, str, str]  # a name, and the section and key that declare it
-Reading = Callable[..., tuple[sp.Expr, str]]  # of a place: the formula there, and its text
 T = TypeVar("T")
 Slots = Sequence[tuple[str, str | None]]  # what each entry of a flow is the rate of, and the force of that
 
@@ -89,13 +88,6 @@ class SectionReader(PlacedToml):
             if key in (self.document[section] if section else self.document):
                 raise self.error(f"{header} and {other} are both given", section, key, remedy="remove one of them")
 
-    def stated(self, *path: Key, known: Mapping[str, sp.Symbol], short: Abbreviations) -> tuple[sp.Expr, str]:
-        """The formula at a place over the symbols ``known``, and its text with all that stands for others written out."""
-        text, line, column = self.formula(*path)
-        if path == ("criterion", "g") and "variables" not in self.document and too_long(text, short):
-            return parse_graph(text, known, short, where=self.where, line=line, column=column), ""
-        return parse_expression(text, known, where=self.where, line=line, column=column, short=short), written_out(text, short)
-
     def entries(self, *path: Key, example: str, of: str = "expressions") -> list[tuple[Key, ...]]:
         """The places of the formulas in a list."""
         given = self.value(*path)
@@ -110,15 +102,6 @@ class SectionReader(PlacedToml):
         """file:line:column of a key, or the file where the key is not found."""
         return super().place(*(key for key in path if key != ""))
 
-    def formula(self, *path: Key) -> tuple[str, int, int]:
-        """A formula with the line (from 1) and column (from 0) at which it begins.
-
-        The text is taken as written in the file, so that the columns are the file's; a formula has no use for escapes.
-        """
-        value = self.value(*path) if isinstance(path[-1], int) else self.string(*path)
-        written, line, column = self.written(*path) or (value, 1, 0)
-        return (value if "\\" in written else written), line, column
-
 
 MOST_BYTES = 1_000_000
 _CRITERION = ("name", "summary", "source", "forces", "stress", "pressure", "g", "potential", "constraints", "expect")
@@ -131,6 +114,7 @@ _SECTIONS = (
 )  # fmt: skip
 _PARAMETER = ("positive", "min", "max", "value")
 _VARIABLE = ("force", "observable", "temperature")
+_ZERO = re.compile(r"\s*0+(\.0*)?\s*")  # the rate of a variable that surfaces leave alone
 _ATLAS = ("equation", "claims", "verdicts", "regions", "note")  # what is said of the law: nothing of it is part of the law
 
 
@@ -179,41 +163,41 @@ class _CriterionReader(SectionReader):
         declared += [(spelled(p), "parameters", p) for p in given]
         domains = {name: own.domain for name, own in variables.items()} | dict.fromkeys(map(spelled, bodies), POSITIVE) | domains
         self.check_names(declared, Abbreviations(stress=stress).words())
-        known = {f: symbol(f) for f in forces} | ({pressure: symbol(pressure, nonpositive=True)} if pressure else {})
-        known |= {p: domain.symbol(p) for p, domain in domains.items()}
         dissipation = self.table("dissipation", required=False)
         self.keys("dissipation", dissipation, ("potential", "rates", "forces_of_rates"))
         if "dissipation" in self.document and not dissipation:
             remedy = "write potential, rates or forces_of_rates in it, or remove the section"
             raise self.error("[dissipation] says nothing", "dissipation", remedy=remedy)
-        if of_rates := "forces_of_rates" in dissipation:
-            known |= {rate: symbol(rate) for rate in variables.rates(forces).values()}
+        rates = variables.rates(forces).values() if (of_rates := "forces_of_rates" in dissipation) else ()
         if "boundary" in self.document:
             other = ("g", "potential", "stress", "[flow]", "[surface]", "[domain]", "[energy]", "[variables]", "[heat]")
             self.alone("[boundary]", *other)
             return self.curve(forces, pressure, domains, declared)
-        define = definitions(self.placed[1], known, stress)
-        axes, read = [known[f] for f in forces], partial(self.stated, known=known, short=define.short)
+        loads = [*forces, pressure] if pressure else forces
+        define = definitions(self.placed[1], declared_symbols([*loads, *rates], pressure, domains), stress)
         viscous = "potential" in dissipation
         if viscous or of_rates:
             own = f"the {'potential' if viscous else 'forces_of_rates'} of [dissipation]"
             self.alone(own, "g", "potential", "[flow]", "[surface]")
         slots = variables.slots(forces)
-        surfaces = self.surfaces(axes, read, slots)
-        whole = YieldSurface(sp.nan) if surfaces or of_rates else self.whole(axes, read, slots)
-        head = self.head(forces, pressure, domains, define) | self.state(variables, read, slots) | {"viscous": viscous}
+        surfaces = self.surfaces(forces, slots)
+        whole = YieldSurface(sp.nan) if surfaces or of_rates else self.whole(forces, slots)
+        head = self.head(forces, pressure, domains, define) | self.state(variables, slots) | {"viscous": viscous}
         domain = self.ranges(forces, pressure)
-        with faults_at(self.where):
+        try:
             law = Criterion(**head, **vars(whole), stress=stress, define=define, domain=domain, surfaces=surfaces)
+        except InputError as fault:
+            where = fault.where if fault.where.startswith(f"{self.where}:") else self.where
+            raise InputError(fault.what, where=where, remedy=fault.remedy) from None
         check_domain(law, where=self.place("criterion", "constraints"))
         return law
 
     def head(self, forces: Sequence[str], pressure: str | None, domains: Mapping[str, Domain], define: Definitions) -> dict[str, Any]:
         """What a law of either kind has."""
         constraints, texts = self.constraints({p: domain.symbol(p) for p, domain in domains.items()}, define, (*forces, pressure))
-        said = {key: self.line("criterion", key, required=key == "name") for key in ("name", "summary", "source")}
-        names = {"parameters": domains, "forces": tuple(forces), "pressure": pressure}
-        return said | names | {"constraints": constraints, "written_constraints": texts, "expect": self.expected()}
+        said: dict[str, Any] = {key: self.line("criterion", key, required=key == "name") for key in ("name", "summary", "source")}
+        said |= {"parameters": domains, "forces": tuple(forces), "pressure": pressure, "expect": self.expected()}
+        return said | {"constraints": constraints, "written_constraints": texts}
 
     def curve(self, forces: Sequence[str], pressure: str | None, domains: Mapping[str, Domain], declared: Sequence[Declared]) -> Law:
         """A law given by its boundary, in an angle and the parameters."""
@@ -224,16 +208,9 @@ class _CriterionReader(SectionReader):
             raise self.error("a boundary curve takes two forces and a pressure", "boundary", remedy="declare them, or write g instead")
         known = {angle: symbol(angle)} | {p: domain.symbol(p) for p, domain in domains.items()}
         define = definitions(self.placed[1], known, None)
-        read = partial(self.stated, known=known, short=define.short)
-        boundary = self.components("T", known[angle], read)
-        flow = self.components("direction", known[angle], read) if "direction" in self.table("boundary") else []
-        law = ParametricCriterion(
-            **self.head(forces, pressure, domains, define),
-            boundary=tuple(x for x, _ in boundary),
-            angle=angle,
-            flow=tuple(x for x, _ in flow) or None,
-            written=tuple(text for _, text in (*boundary, *flow)),
-        )
+        boundary = self.components("T", known[angle], known, define.short)
+        flow = self.components("direction", known[angle], known, define.short) if "direction" in self.table("boundary") else None
+        law = ParametricCriterion(**self.head(forces, pressure, domains, define), boundary=boundary, angle=angle, flow=flow)
         check_domain(law, where=self.place("criterion", "constraints"))
         return law
 
@@ -263,7 +240,7 @@ class _CriterionReader(SectionReader):
             raise self.error("forces and stress are both declared", "criterion", "stress", remedy=remedy)
         if not (isinstance(given, dict) and {*given} == {"name", "kind"} and all(isinstance(x, str) for x in given.values())):
             raise self.error("stress is not a table of name and kind", "criterion", "stress", remedy=example)
-        with faults_at(partial(self.place, "criterion", "stress")):
+        with faults_at(self.place("criterion", "stress")):
             return Stress(**given)
 
     def expected(self) -> Mapping[str, str]:
@@ -280,13 +257,9 @@ class _CriterionReader(SectionReader):
         for key, entry in self.table("variables", required=False).items():
             if not isinstance(entry, dict):
                 raise self.error(f"{key} is not a table", "variables", key, remedy=f'write {key} = {{ force = "sigma" }}')
-            self.keys("variables", entry, (*_VARIABLE, *_PARAMETER), inside=key)
-            for kind in ("observable", "temperature"):
-                if entry.get(kind, True) is not True:
-                    raise self.error(f"{kind} of {key} is not true", "variables", key, remedy=f"remove it, or write {kind} = true")
+            domain = self.domain(key, entry, "variables", (*_VARIABLE, *_PARAMETER))
             if not isinstance(entry.get("force", ""), str):
                 raise self.error(f"force of {key} is no name", "variables", key, remedy='write force = "sigma"')
-            domain = self.domain(key, {name: value for name, value in entry.items() if name in _PARAMETER}, "variables")
             force = spelled(entry["force"]) if "force" in entry else None
             found[spelled(key)] = Variable(force, "observable" in entry, "temperature" in entry, domain)
         variables = Variables(found)
@@ -302,7 +275,7 @@ class _CriterionReader(SectionReader):
             raise self.error("[heat] has no table of bodies", "heat", "bodies", remedy='write bodies = { T1 = "h1", T2 = "h2" }')
         return given
 
-    def state(self, variables: Variables, read: Reading, slots: Slots) -> dict[str, Any]:
+    def state(self, variables: Variables, slots: Slots) -> dict[str, Any]:
         """The energy, and the rates of internal variables that have no force or need no multiplier."""
         self.keys("energy", self.table("energy", required=False), ("psi",))
         given = self.table("dissipation", required=False)
@@ -310,34 +283,32 @@ class _CriterionReader(SectionReader):
         for key, name in functions.items():
             if not isinstance(given.get(key, {}), dict):
                 raise self.error(f"{key} is not a table", "dissipation", key, remedy=f'write {key} = {{ {name} = "..." }}')
-        energy = read("energy", "psi") if "energy" in self.document else (None, "")
-        said = {key: {spelled(name): read("dissipation", key, name) for name in given.get(key, {})} for key in functions}
+        energy = self.formula("energy", "psi") if "energy" in self.document else None
+        said = {key: {spelled(name): self.formula("dissipation", key, name) for name in given.get(key, {})} for key in functions}
         flow = "flow" in self.document
-        unforced = {name: read("flow", "direction", i) for i, (name, force) in enumerate(slots) if force is None and flow}
-        said |= {"unforced": unforced, "heat": {spelled(name): read("heat", "bodies", name) for name in self.bodies()}}
-        expressions = {key: {name: expr for name, (expr, _) in found.items()} for key, found in said.items()}
-        texts = {f"written_{key}": {name: text for name, (_, text) in found.items()} for key, found in said.items()}
-        return {"variables": variables, "energy": energy[0], "written_energy": energy[1], **expressions, **texts}
+        unforced = {name: self.formula("flow", "direction", i) for i, (name, force) in enumerate(slots) if force is None and flow}
+        heat = {spelled(name): self.formula("heat", "bodies", name) for name in self.bodies()}
+        return {"variables": variables, "energy": energy, "unforced": unforced, "heat": heat, **said}
 
     @cached_property
-    def placed(self) -> tuple[Indexed, Mapping[str, PlacedFormula]]:
+    def placed(self) -> tuple[Indexed, Mapping[str, PlacedText]]:
         """What may be written with an index, and the definitions, a vector part by part."""
-        known, found = self.tables(), dict[str, PlacedFormula]()
+        known, found = self.tables(), dict[str, PlacedText]()
         for key, given in self.table("define", required=False).items():
             if isinstance(given, list):
                 entries, alike = self.entries("define", key, example='["sigma_a", "sigma_b"]'), False
                 formulas = [self.over(*entry, change=known.written_over) for entry in entries]
             else:
-                parts, line, column = self.over("define", key, change=known.parts)
+                parts = self.over("define", key, change=known.parts)
                 alike = bool(parts)
-                formulas = [(text, line, column) for text in parts] if parts else [self.over("define", key, change=known.written_over)]
+                formulas = parts or [self.over("define", key, change=known.written_over)]
             if vector := alike or isinstance(given, list):
                 known = replace(known, vectors={**known.vectors, spelled(key): len(formulas)})
-            for i, (text, line, column) in enumerate(formulas):
+            for i, text in enumerate(formulas):
                 name = component(spelled(key), i + 1) if vector else key
                 if name in found:
                     raise self.error(f"{name!r} is declared twice", "define", key, remedy="give each definition a name of its own")
-                found[name] = PlacedFormula(text, self.where, line, column, self.place("define", key), alike and i > 0)
+                found[name] = PlacedText(text, self.where, text.line, text.column, self.place("define", key), text.made, alike and i > 0)
         return known, found
 
     def tables(self) -> Indexed:
@@ -352,14 +323,19 @@ class _CriterionReader(SectionReader):
         forces = head.get("forces", FORCES) if (stress := self.stress()) is None else stress.components
         return Indexed(read, {}, frozenset({*words, *filter(lambda x: isinstance(x, str), [*named, *forces])}))
 
-    def over(self, *path: Key, change: Callable[[str], T]) -> tuple[T, int, int]:
-        """What is made of the text of a formula, and where that begins; a fault lies there."""
-        text, line, column = super().formula(*path)
-        with faults_at(f"{self.where}:{line}:{column + 1}", unless_placed=True):
-            return change(text), line, column
+    def over(self, *path: Key, change: Callable[[PlacedText], T]) -> T:
+        """What is made of the text of a formula; a fault lies where that begins.
 
-    def formula(self, *path: Key) -> tuple[str, int, int]:
-        """A formula without indices, and where it begins."""
+        The text is taken as written in the file, so that the columns are the file's; a formula has no use for escapes.
+        """
+        value = self.value(*path) if isinstance(path[-1], int) else self.string(*path)
+        written, line, column = self.written(*path) or (value, 1, 0)
+        text = PlacedText(value if "\\" in written else written, self.where, line, column, self.place(*path))
+        with faults_at(f"{self.where}:{line}:{column + 1}", unless_placed=True):
+            return change(text)
+
+    def formula(self, *path: Key) -> PlacedText:
+        """A formula without indices."""
         return self.over(*path, change=self.placed[0].written_over)
 
     def pressure(self) -> str | None:
@@ -395,12 +371,14 @@ class _CriterionReader(SectionReader):
             meant = f"value = {entry}" if number else "positive = true" if "positive" in allowed else "min = -100"
             raise self.error(f"the domain of {name} is not a table", section, name, remedy=f"write {name} = {{ {meant} }}")
         self.keys(section, entry, allowed, inside=name)
-        if ("value" in entry and len(entry) > 1) or ("positive" in entry and "min" in entry):
-            mixed = " and ".join(entry)
+        said = [key for key in entry if key in _PARAMETER]
+        if ("value" in entry and len(said) > 1) or ("positive" in entry and "min" in entry):
+            mixed = " and ".join(said)
             remedy = "use positive = true, or min and max, or value, or {} for every real number"
             raise self.error(f"the domain of {name} mixes {mixed}", section, name, remedy=remedy)
-        if entry.get("positive", True) is not True:
-            raise self.error(f"positive of {name} is not true", section, name, remedy="remove it, or write positive = true")
+        for kind in ("positive", "observable", "temperature"):
+            if entry.get(kind, True) is not True:
+                raise self.error(f"{kind} of {name} is not true", section, name, remedy=f"remove it, or write {kind} = true")
         try:
             if "value" in entry:
                 return Domain.fixed(entry["value"])
@@ -413,37 +391,28 @@ class _CriterionReader(SectionReader):
         at = ("criterion", "constraints")
         entries = self.entries(*at, example='["e < mu_b"]', of="comparisons") if at[1] in self.document[at[0]] else []
         placed = [self.formula(*entry) for entry in entries]
-        for text, line, column in placed:
+        for text in placed:
             for name in (name for name in re.finditer(r"\w+", text) if name[0] in loads):
                 remedy = "constraints relate parameters only; a range of a force or of the pressure belongs in the section [domain]"
-                where = f"{self.where}:{line}:{column + name.start() + 1}"
+                where = f"{self.where}:{text.line}:{text.column + name.start() + 1}"
                 raise InputError(f"a constraint depends on {name[0]}, which is no parameter", where=where, remedy=remedy)
-        short = define.short
-        found = [parse_relation(t, parameters, where=self.where, line=line, column=column, short=short) for t, line, column in placed]
-        return tuple(found), tuple(written_out(t, short) for t, _, _ in placed)
+        found = [parse_relation(text, parameters, short=define.short) for text in placed]
+        return tuple(found), tuple(written_out(text, define.short) for text in placed)
 
     # -- what bounds K, and the slip there ----------------------------------------------------------------------
 
-    def of_forces(self, what: str, *path: Key, forces: Sequence[sp.Symbol], read: Reading) -> tuple[sp.Expr, str]:
-        """The formula at a place, which depends on a force, and its text."""
-        formula, written = read(*path)
-        if not formula.free_symbols & set(forces):
-            raise self.error(f"{what} does not depend on any force", *path, remedy=f"use at least one of {', '.join(map(str, forces))}")
-        return formula, written
-
-    def whole(self, forces: Sequence[sp.Symbol], read: Reading, slots: Slots) -> YieldSurface:
+    def whole(self, forces: Sequence[str], slots: Slots) -> YieldSurface:
         """The one surface of a law without [[surface]]: g and potential in [criterion], or [flow]; or the potential of [dissipation]."""
         if "potential" in self.table("dissipation", required=False):
-            potential, written = self.of_forces("the potential", "dissipation", "potential", forces=forces, read=read)
-            return YieldSurface(potential, written=written)
+            return YieldSurface(self.formula("dissipation", "potential"))
         flow = ("flow", "direction") if "flow" in self.document else ()
         if flow:
             self.keys("flow", self.table("flow"), ("direction",))
             if "direction" not in self.table("flow"):
-                raise self.error("[flow] has no direction", "flow", remedy=f"write direction = {_example(forces)}")
-        return self.surface(("criterion",), flow, "[flow]", forces, read, slots)
+                raise self.error("[flow] has no direction", "flow", remedy=f"write direction = {toml(forces)}")
+        return self.surface(("criterion",), flow, "[flow]", forces, slots)
 
-    def surfaces(self, forces: Sequence[sp.Symbol], read: Reading, slots: Slots) -> tuple[YieldSurface, ...]:
+    def surfaces(self, forces: Sequence[str], slots: Slots) -> tuple[YieldSurface, ...]:
         """Those of [[surface]], in order; none where there is no such section."""
         given = self.document.get("surface", [])
         if not (isinstance(given, list) and all(isinstance(entry, dict) for entry in given)):
@@ -453,54 +422,44 @@ class _CriterionReader(SectionReader):
         for i, entry in enumerate(given):
             self.keys("surface", entry, ("g", "flow", "potential"), at=("surface", i))
         flows = [("surface", i, "flow") if "flow" in entry else () for i, entry in enumerate(given)]
-        return tuple(self.surface(("surface", i), flow, "flow", forces, read, slots) for i, flow in enumerate(flows))
+        return tuple(self.surface(("surface", i), flow, "flow", forces, slots) for i, flow in enumerate(flows))
 
-    def surface(
-        self, section: tuple[Key, ...], flow: tuple[Key, ...], flow_name: str, forces: Sequence[sp.Symbol], read: Reading, slots: Slots
-    ) -> YieldSurface:
-        """The g and potential of a section with the flow at a place, if it has one."""
-        g, written = self.of_forces("g", *section, "g", forces=forces, read=read)
+    def surface(self, section: tuple[Key, ...], flow: tuple[Key, ...], flow_name: str, forces: Sequence[str], slots: Slots) -> YieldSurface:
+        """The g and potential of a section with the flow at a place, if it has one; the law reads them."""
+        g: Any = self.formula(*section, "g")
         if "potential" in self.value(*section):
             at = (*section, "potential")
             if flow:
                 raise self.error(f"{flow_name} and potential are both given", *at, remedy="remove one of them")
-            potential, text = read(*at)
-            with faults_at(partial(self.place, *at)):
-                flow_of(potential, forces)
-            return YieldSurface(g, potential=text, written=written)
+            return YieldSurface(g, potential=self.formula(*at))
         if not flow:
-            return YieldSurface(g, written=written)
-        entries = self.entries(*flow, example=_example(forces))
+            return YieldSurface(g)
+        entries = self.entries(*flow, example=toml(forces))
         if len(entries) != len(slots):
             remedy = f"give one expression for each of {', '.join(name for name, _ in slots)}"
             counts = f"{len(entries)} components for {len(slots)} {'rates' if 'variables' in self.document else 'forces'}"
             raise self.error(f"the flow direction has {counts}", *flow, remedy=remedy)
-        place = {force: entry for (_, force), entry in zip(slots, entries, strict=True)}
+        texts = {force: self.formula(*entry) for (_, force), entry in zip(slots, entries, strict=True) if force is not None}
         for (name, force), entry in zip(slots, entries, strict=True):
-            if force is None and section[0] == "surface" and read(*entry)[0] != 0:
+            if force is None and section[0] == "surface" and not _ZERO.fullmatch(self.formula(*entry)):
                 remedy = 'write "0" here: of a law with several surfaces no rate of it is kept'
                 raise self.error(f"{name} has no force, and a rate that belongs to a surface", *entry, remedy=remedy)
-        slip, texts = zip(*(read(*place[str(force)]) for force in forces), strict=True)
-        return YieldSurface(g, slip, None, written, texts)
+        return YieldSurface(g, tuple(texts[force] for force in forces))
 
-    def components(self, key: str, angle: sp.Symbol, read: Reading) -> list[tuple[sp.Expr, str]]:
-        """The two components in [boundary] with their texts; they close because the angle enters by its cosine and sine only."""
+    def components(self, key: str, angle: sp.Symbol, known: Mapping[str, sp.Symbol], short: Abbreviations) -> Any:
+        """The texts of two components in [boundary]; they close because the angle enters by its cosine and sine only."""
         example = f'["cos({angle})", "sin({angle})"]'
         if key not in self.table("boundary"):
             raise self.error(f"[boundary] has no {key}", "boundary", remedy=f"add {key} = {example}")
         entries = self.entries("boundary", key, example=example)
         if len(entries) != 2:
             raise self.error(f"{key} has {len(entries)} components for 2 forces", "boundary", key, remedy=f"write {key} = {example}")
-        found = [read(*entry) for entry in entries]
-        for entry, (expr, _) in zip(entries, found, strict=True):
-            if not closes(expr, angle):
+        texts = [self.formula(*entry) for entry in entries]
+        for entry, text in zip(entries, texts, strict=True):
+            if not closes(parse_expression(text, known, short=short), angle):
                 remedy = f"write it in cos({angle}) and sin({angle}), multiples of the angle expanded"
                 raise self.error(f"{key} uses {angle} otherwise than as cos({angle}) and sin({angle})", *entry, remedy=remedy)
-        return found
-
-
-def _example(forces: Sequence[sp.Symbol]) -> str:
-    return "[" + ", ".join(f'"{f}"' for f in forces) + "]"
+        return tuple(written_out(text, short) for text in texts)
 
 
 # -- a law written down -----------------------------------------------------------------------------------------------
@@ -511,87 +470,72 @@ def criterion_text(law: Law) -> str:
 
     InputError for a value or an end of a domain that is no finite decimal.
     """
-    lines = ["[criterion]", f"name = {quoted(law.name)}"]
-    lines += [f"{key} = {quoted(value)}" for key, value in (("summary", law.summary), ("source", law.source)) if value]
-    lines += [f"forces = [{', '.join(map(quoted, law.forces))}]"]
-    lines += [f"pressure = {quoted(law.pressure) if law.pressure else 'false'}"]
-    if isinstance(law, Criterion) and not (law.surfaces or law.viscous or law.forces_of_rates):
-        lines += [f"g = {quoted(law.graph.last if law.graph else _text(law, law.g))}", *_potential(law)]
-    if law.constraints:
-        lines += [f"constraints = [{', '.join(quoted(_text(law, c)) for c in law.constraints)}]"]
-    of_state = () if isinstance(law, ParametricCriterion) else (*law.variables, *law.heat)
-    own = {name: domain for name, domain in law.parameters.items() if name not in of_state}
-    if isinstance(law, Criterion) and law.graph:
-        lines += ["", "[define]", *(f"{name} = {quoted(text)}" for name, text in law.graph.nodes)]
-    lines += ["", "[parameters]", *(f"{name} = {_domain(domain, f'{law.name}: {name}')}" for name, domain in own.items())]
+    head: dict[str, Any] = {"name": law.name, "summary": law.summary or None, "source": law.source or None, "forces": law.forces}
+    head["pressure"] = law.pressure or False
+    constraints = {"constraints": _texts(law, law.constraints or None)}
     if isinstance(law, ParametricCriterion):
-        lines += ["", "[boundary]", f"angle = {quoted(law.angle)}", f"T = {_list(law, law.boundary)}"]
-        lines += [f"direction = {_list(law, law.flow)}"] if law.flow is not None else []
-        return "\n".join(lines) + "\n"
-    if law.domain:
-        lines += ["", "[domain]", *(f"{name} = {_domain(own, f'{law.name}: {name}')}" for name, own in law.domain.items())]
-    if law.flow is not None and law.potential is None:
-        of_force = dict(zip(law.forces, law.flow, strict=True))
-        slots = variables_of(law).slots(law.forces)
-        slips = [law.unforced.get(name, sp.S.Zero) if force is None else of_force[force] for name, force in slots]
-        lines += ["", "[flow]", f"direction = {_list(law, slips)}"]
-    lines += _state(law)
-    for surface in law.surfaces:
-        lines += ["", "[[surface]]", f"g = {quoted(_text(law, surface.g))}", *_potential(surface)]
-        lines += [f"flow = {_list(law, surface.flow)}"] if surface.flow is not None and surface.potential is None else []
-    return "\n".join(lines) + "\n"
+        boundary = {"angle": law.angle, "T": _texts(law, law.boundary), "direction": _texts(law, law.flow)}
+        return document_text({"criterion": head | constraints, "parameters": _domains(law, law.parameters), "boundary": boundary})
+    if not (law.surfaces or law.viscous or law.forces_of_rates):
+        head |= {"g": law.graph.last if law.graph else _text(law, law.g), "potential": law.potential}
+    if fixed := [name for name in law.heat if law.parameters[name] != POSITIVE]:
+        what = f"no file states the temperature {fixed[0]} of a body"
+        raise InputError(what, where=law.name, remedy="fix it with --set where the file is used")
+    domains = _domains(law, law.parameters)
+    slips = dict(zip(law.forces, law.flow or (), strict=False)) if law.potential is None else {}
+    flow = [slips[force] if force in slips else law.unforced.get(name, sp.S.Zero) for name, force in variables_of(law).slots(law.forces)]
+    rates = {key: _named(law, getattr(law, key)) or None for key in ("rates", "forces_of_rates")}
+    sections = {
+        "criterion": head | constraints,
+        "define": dict(law.graph.nodes) if law.graph else None,
+        "parameters": {name: own for name, own in domains.items() if name not in (*law.variables, *law.heat)},
+        "domain": _domains(law, law.domain) or None,
+        "flow": {"direction": _texts(law, flow)} if slips else None,
+        "variables": {name: _kind(own) | domains[name] for name, own in law.variables.items()} or None,
+        "energy": None if law.energy is None else {"psi": _text(law, law.energy)},
+        "dissipation": {"potential": _text(law, law.g) if law.viscous else None, **rates} if law.viscous or any(rates.values()) else None,
+        "heat": {"bodies": _named(law, law.heat)} if law.heat else None,
+        "surface": [
+            {"g": _text(law, own.g), "potential": own.potential, "flow": _texts(law, own.flow if own.potential is None else None)}
+            for own in law.surfaces
+        ],
+    }
+    return document_text({name: content for name, content in sections.items() if content is not None})
 
 
-def _state(law: Criterion) -> Iterator[str]:
-    """The sections of a state, where the law has one."""
-    if law.variables:
-        yield from ("", "[variables]")
-    for name, own in law.variables.items():
-        kinds = [f"{kind} = true" for kind in ("observable", "temperature") if getattr(own, kind)]
-        force = [] if own.force is None else [f"force = {quoted(own.force)}"]
-        ends = _domain(law.parameters[name], f"{law.name}: {name}").strip("{ }")
-        yield f"{name} = {{ {', '.join([*kinds, *force, *([ends] if ends else [])])} }}"
-    if law.energy is not None:
-        yield from ("", "[energy]", f"psi = {quoted(_text(law, law.energy))}")
-    if law.viscous or law.rates or law.forces_of_rates:
-        yield from ("", "[dissipation]", *([f"potential = {quoted(_text(law, law.g))}"] if law.viscous else []))
-        for key in ("rates", "forces_of_rates"):
-            yield from ([f"{key} = {_named(law, getattr(law, key))}"] if getattr(law, key) else [])
-    if law.heat:
-        if fixed := [name for name in law.heat if law.parameters[name] != POSITIVE]:
-            what = f"no file states the temperature {fixed[0]} of a body"
-            raise InputError(what, where=law.name, remedy="fix it with --set where the file is used")
-        yield from ("", "[heat]", f"bodies = {_named(law, law.heat)}")
+def _kind(own: Variable) -> dict[str, Any]:
+    return {"observable": own.observable or None, "temperature": own.temperature or None, "force": own.force}
 
 
-def _named(law: Law, formulas: Mapping[str, sp.Expr]) -> str:
-    return f"{{ {', '.join(f'{name} = {quoted(_text(law, x))}' for name, x in formulas.items())} }}"
+def _named(law: Law, formulas: Mapping[str, sp.Expr]) -> dict[str, str]:
+    return {name: _text(law, x) for name, x in formulas.items()}
 
 
-def _potential(stated: Criterion | YieldSurface) -> list[str]:
-    return [] if stated.potential is None else [f"potential = {quoted(stated.potential)}"]
-
-
-def _list(law: Law, formulas: Sequence[sp.Expr]) -> str:
-    return f"[{', '.join(quoted(_text(law, x)) for x in formulas)}]"
+def _texts(law: Law, formulas: Sequence[sp.Basic] | None) -> list[str] | None:
+    return None if formulas is None else [_text(law, x) for x in formulas]
 
 
 def _text(law: Law, expr: sp.Basic) -> str:
-    return faithful(expr, law.symbols().values())
+    return faithful(expr, tuple(law.symbols().values()))
 
 
-def _domain(domain: Domain, where: str) -> str:
-    ends = {"min": None if domain.positive else domain.low, "max": domain.high}
-    numbers = ends if domain.value is None else {"value": domain.value}
-    said = ["positive = true"] if domain.positive and domain.value is None else []
-    said += [f"{key} = {_decimal(x, where)}" for key, x in numbers.items() if x is not None]
-    return f"{{ {', '.join(said)} }}" if said else "{}"
+def _domains(law: Law, domains: Mapping[str, Domain]) -> dict[str, dict[str, Any]]:
+    return {name: _domain(own, f"{law.name}: {name}") for name, own in domains.items()}
 
 
-def _decimal(x: sp.Rational, where: str) -> str:
-    """``x`` in full, as TOML writes numbers."""
+def _domain(own: Domain, where: str) -> dict[str, Any]:
+    if own.value is not None:
+        return {"value": _decimal(own.value, where)}
+    low = None if own.positive else own.low
+    return {"positive": own.positive or None, "min": _decimal(low, where), "max": _decimal(own.high, where)}
+
+
+def _decimal(x: sp.Rational | None, where: str) -> Decimal | None:
+    """``x`` in full, if there is one."""
+    if x is None:
+        return None
     exact = Context(int(x.p).bit_length() + int(x.q).bit_length() + 1, Emin=MIN_EMIN, Emax=MAX_EMAX, traps=[Inexact])
     try:
-        return f"{exact.divide(Decimal(int(x.p)), Decimal(int(x.q))):f}"
+        return exact.divide(Decimal(int(x.p)), Decimal(int(x.q)))
     except Inexact:
         raise InputError(f"{x} is no finite decimal", where=where, remedy="give it as a decimal, such as 0.333333") from None

@@ -6,8 +6,7 @@ closed curve T, run either way, and the points it winds around.  Such a law has 
 
 from __future__ import annotations
 
-import inspect
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from importlib import import_module
 from itertools import chain, repeat
@@ -17,16 +16,14 @@ import sympy as sp
 from sympy.core.relational import Relational
 
 from duhem.errors import InputError
-from duhem.expression import symbol
 from duhem.expression.abbreviations import NONE
 from duhem.expression.syntax import spelled
-from duhem.law.domain import POSITIVE, Domain, Domains
+from duhem.law.domain import Domain, Domains
 from duhem.law.formula_law import FORCES, PRESSURE, Criterion, DeclaredLaw, as_expression, declared_symbols, swapped
 from duhem.law.frozen_mapping import FrozenMapping
-from duhem.law.given import argument_names, called, listed, moved, moved_relations, relations, text_of
-from duhem.law.registry import register
+from duhem.law.given import listed, moved, moved_relations, relations, text_of
 
-__all__ = ["ANGLE", "Law", "ParametricCriterion", "closes", "parametric"]
+__all__ = ["ANGLE", "Law", "ParametricCriterion", "closes"]
 
 ANGLE = "phi"
 
@@ -117,17 +114,10 @@ class ParametricCriterion(DeclaredLaw):
         """The same law with some parameters fixed; a value outside its domain is an InputError."""
         domains = Domains(self.parameters).fixed(values, self.name)
         swap, known = swapped(self.symbols(), domains)
-        one, two, *flow = (moved(x, text, swap, known) for x, text in zip(self.components(), self.written, strict=True))
+        found = tuple(moved(x, text, swap, known) for x, text in zip(self.components(), self.written, strict=True))
         constraints, texts = moved_relations(self.constraints, self.written_constraints, swap, known)
-        part = replace(
-            self,
-            boundary=(one, two),
-            parameters=domains,
-            constraints=constraints,
-            written_constraints=texts,
-            flow=None if self.flow is None else (flow[0], flow[1]),
-        )
-        return self._with_part(part)
+        over: dict[str, Any] = {"parameters": domains, "constraints": constraints, "written_constraints": texts}
+        return self._with_part(replace(self, boundary=found[:2], flow=found[2:] or None, **over))
 
 
 def closes(expr: sp.Expr, angle: sp.Symbol) -> bool:
@@ -136,41 +126,3 @@ def closes(expr: sp.Expr, angle: sp.Symbol) -> bool:
 
 
 Law = Criterion | ParametricCriterion
-
-
-def parametric(
-    *,
-    name: str | None = None,
-    parameters: Mapping[str, Domain] | None = None,
-    constraints: Sequence[str] = (),
-    flow: Sequence[Any] | None = None,
-    source: str = "",
-    instead: str = "",
-    derivation: str = "",
-) -> Callable[[Callable[..., Any]], ParametricCriterion]:
-    """Turn a function of ``phi`` and the parameters, which returns both components, into a registered law.
-
-    As :func:`duhem.law.formula_law.criterion`: the docstring's first line is the summary, the name the function's, and
-    parameters that are not declared are positive.
-    """
-
-    def build(f: Callable[..., Any]) -> ParametricCriterion:
-        arguments = argument_names(f)
-        declared = Domains(parameters)
-        domains = {a: declared.get(a, POSITIVE) for a in arguments if a != ANGLE}
-        known = {ANGLE: symbol(ANGLE)} | {n: d.symbol(n) for n, d in domains.items()}
-        law = ParametricCriterion(
-            name=name or f.__name__.replace("_", "-"),
-            boundary=called(f, known),
-            parameters=domains,
-            constraints=constraints,  # type: ignore[arg-type]  # read on construction
-            flow=flow,  # type: ignore[arg-type]
-            summary=(inspect.getdoc(f) or "").split("\n", 1)[0],
-            source=source,
-            instead=instead,
-            derivation=derivation,
-        )
-        register(law.name, law)
-        return law
-
-    return build

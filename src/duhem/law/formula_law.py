@@ -13,7 +13,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import repeat
 from keyword import iskeyword
-from typing import Any, ClassVar, NamedTuple, Self, overload
+from typing import Any, ClassVar, Self, overload
 
 import sympy as sp
 from sympy.core.relational import Relational
@@ -26,7 +26,7 @@ from duhem.expression.build import greatest
 from duhem.expression.fold import Graph, Shared, graph_of
 from duhem.expression.number import inert_exponent
 from duhem.expression.parse import check_formula, check_size, own_text, parse_expression, parse_graph, too_long, written_out
-from duhem.expression.syntax import respelled, spelled
+from duhem.expression.syntax import PlacedText, respelled, spelled
 from duhem.expression.unevaluated import HASH, Verbatim
 from duhem.law.domain import POSITIVE, Domain, Domains, by_name, cover, range_fault
 from duhem.law.frozen_mapping import FrozenMapping
@@ -37,8 +37,8 @@ from duhem.law.state import NO_STATE, Variable, Variables, check_state, variable
 from duhem.show.printing import Shown, latex
 
 __all__ = [
-    "FORCES", "PRESSURE", "Criterion", "DeclaredLaw", "Definitions", "PlacedFormula", "YieldSurface", "as_expression", "criterion",
-    "declared_symbols", "definitions", "flow_of", "name_fault", "swapped",
+    "FORCES", "PRESSURE", "Criterion", "DeclaredLaw", "Definitions", "YieldSurface", "as_expression", "criterion", "declared_symbols",
+    "definitions", "flow_of", "name_fault", "swapped",
 ]  # fmt: skip
 
 
@@ -66,7 +66,7 @@ class YieldSurface(Verbatim):
         """
         where, g = f"g of {owner}", self.g
         if isinstance(g, str) and whole and too_long(g, short):
-            g = parse_graph(g, known, short, where=where)
+            g = parse_graph(g, known, short, where)
         elif not (g is sp.nan or isinstance(g, Shared)):
             g = as_expression(g, known, where, short)
         written = "" if isinstance(g, Shared) else text_of(self.g, g, self.written, known, short)
@@ -81,7 +81,7 @@ class YieldSurface(Verbatim):
         if not isinstance(self.potential, str):
             raise InputError("the potential is no text", where=owner, remedy="write its formula as text")
         where = f"potential of {owner}"
-        with faults_at(where, unless_placed=True):
+        with faults_at(_name_at(self.potential, where), unless_placed=True):
             slip = flow_of(parse_expression(self.potential, known, where=where, short=short), forces)
         if flow not in (None, slip):
             raise InputError("a flow and a potential are both given", where=owner, remedy="remove one of them")
@@ -99,9 +99,9 @@ class YieldSurface(Verbatim):
 
 def as_expression(given: Any, known: Mapping[str, sp.Symbol], where: str, short: Abbreviations) -> sp.Expr:
     """Text, read over the symbols ``known``, or what :func:`duhem.law.given.given_formula` makes of anything else."""
-    return (
-        parse_expression(given, known, where=where, short=short) if isinstance(given, str) else given_formula(given, known.values(), where)
-    )
+    if isinstance(given, str):
+        return parse_expression(given, known, where=where, short=short)
+    return given_formula(given, known.values(), where)
 
 
 def swapped(old: Mapping[str, sp.Symbol], domains: Mapping[str, Domain]) -> tuple[Swap, Known]:
@@ -118,20 +118,9 @@ def flow_of(potential: sp.Expr, forces: Sequence[sp.Symbol]) -> tuple[sp.Expr, .
     return flow
 
 
-class PlacedFormula(NamedTuple):
-    """A formula, where it stands (file or law, line from 1, column from 0), and where its name does."""
-
-    text: str
-    where: str
-    line: int
-    column: int
-    name_at: str
-    like_the_one_before: bool = False  # but for its numbers and the places in its vectors
-
-    @property
-    def place(self) -> dict[str, Any]:
-        """Where it begins, as who reads it is told."""
-        return {"where": self.where, "line": self.line, "column": self.column}
+def _name_at(given: Any, otherwise: str) -> str:
+    """Where the name of a text stands that knows it."""
+    return given.name_at if isinstance(given, PlacedText) else otherwise
 
 
 class Definitions(FrozenMapping[str, str]):
@@ -143,16 +132,19 @@ class Definitions(FrozenMapping[str, str]):
         super().__init__(content)
         self.short = short
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        return Definitions, (dict(self), self.short)
+
     @classmethod
     def of(cls, given: Mapping[str, str], known: Mapping[str, sp.Symbol], stress: Stress | None, law: str) -> Definitions:
         """Those that a program gives ``law``; InputError as :func:`definitions`."""
         for name, text in by_name(given, "a formula").items():
             if not isinstance(text, str):
                 raise InputError(f"the definition of {name} is no text", where=law, remedy="write its formula as text")
-        return definitions({name: PlacedFormula(text, f"{name} of {law}", 1, 0, law) for name, text in given.items()}, known, stress)
+        return definitions({name: PlacedText(text, f"{name} of {law}", name_at=law) for name, text in given.items()}, known, stress)
 
 
-def definitions(given: Mapping[str, PlacedFormula], known: Mapping[str, sp.Symbol], stress: Stress | None) -> Definitions:
+def definitions(given: Mapping[str, PlacedText], known: Mapping[str, sp.Symbol], stress: Stress | None) -> Definitions:
     """Those of a law over the symbols ``known``; InputError, with its place, for a name or a formula that cannot be one.
 
     A definition is replaced by its formula, in brackets, wherever its name stands: the law is what it is with all written out.  One that
@@ -166,19 +158,19 @@ def definitions(given: Mapping[str, PlacedFormula], known: Mapping[str, sp.Symbo
         if fault := name_fault(name, taken, "force, parameter and definition", Abbreviations(stress=stress).words()):
             raise InputError(fault[0], where=formula.name_at, remedy=fault[1])
     for formula in given.values():
-        short, at = Abbreviations(formulas, stress, frozenset(left), own, frozenset(known)), formula.place
-        long = too_long(formula.text, short)
-        if formula.like_the_one_before:
-            check_size(formula.text, **at)
+        short = Abbreviations(formulas, stress, frozenset(left), own, frozenset(known))
+        long = too_long(formula, short)
+        if formula.alike:
+            check_size(formula)
         elif long:
-            check_formula(formula.text, [*known, *own], **at, short=short.alone())
+            check_formula(formula, [*known, *own], formula.where, short.alone())
         else:
-            parse_expression(formula.text, known, **at, short=short)
-        text, name = own_text(formula.text, short), left.pop(0)
-        formulas |= {} if long else {name: written_out(formula.text, short)}
+            parse_expression(formula, known, short=short)
+        text, name = own_text(formula, short), left.pop(0)
+        formulas |= {} if long else {name: written_out(formula, short)}
         own[name] = text
     short = Abbreviations(formulas, stress, frozenset(), own, frozenset(known))
-    return Definitions({spelled(name): formula.text for name, formula in given.items()}, short)
+    return Definitions({spelled(name): str(formula) for name, formula in given.items()}, short)
 
 
 def name_fault(name: Any, taken: Sequence[Any], whose: str, invariants: frozenset[str] = frozenset()) -> tuple[str, str] | None:
@@ -398,6 +390,7 @@ class Criterion(DeclaredLaw):
             if given.g is sp.nan:
                 raise InputError("there is no g", where=owner, remedy="give the surface a formula g")
             surfaces.append(given.read(known, self.force_symbols(), short, owner))
+            self._check_load(given.g, surfaces[-1].g)
         whole = YieldSurface(self.g, self.flow, self.potential, self.written, self.written_flow)
         whole = whole.read(known, self.force_symbols(), short, self.name, not (surfaces or self.viscous or self.variables))
         if surfaces:
@@ -406,7 +399,16 @@ class Criterion(DeclaredLaw):
                 what = "a law with several surfaces takes g and flow from its surfaces"
                 raise InputError(what, where=self.name, remedy="remove g, flow and potential")
             whole = YieldSurface(most, written=f"max({', '.join(texts)})" if all(texts) else "")
+        elif not (whole.g is sp.nan or self.forces_of_rates):
+            self._check_load(self.g, whole.g)
         self._set(surfaces=tuple(surfaces), **vars(whole))
+
+    def _check_load(self, given: Any, g: sp.Expr) -> None:
+        """InputError where g, which was ``given``, depends on no force."""
+        if not g.free_symbols & set(self.force_symbols()):
+            what = "the potential" if self.viscous and isinstance(given, PlacedText) else "g"
+            remedy = f"use at least one of {', '.join(self.forces)}"
+            raise InputError(f"{what} does not depend on any force", where=_name_at(given, self.name), remedy=remedy)
 
     @property
     def graph(self) -> Graph | None:
@@ -443,12 +445,9 @@ class Criterion(DeclaredLaw):
                 raise InputError(fault[0], where=self.name, remedy=fault[1])
 
     def _check_content(self) -> None:
-        forces = {self.symbols()[f] for f in self.forces}
         flows = [flow for flow in (self.flow, *(s.flow for s in self.surfaces)) if flow is not None]
         if self.g is sp.nan:
             raise InputError("there is no g", where=self.name, remedy="give g, or surfaces")
-        if not self.forces_of_rates and not all(g.free_symbols & forces for g in (self.g, *(s.g for s in self.surfaces))):
-            raise InputError("g does not depend on any force", where=self.name, remedy=f"use at least one of {', '.join(self.forces)}")
         for flow in flows:
             if len(flow) != len(self.forces):
                 what = f"the flow has {len(flow)} components for {len(self.forces)} forces"
@@ -494,22 +493,20 @@ def _over(law: Criterion, domains: Mapping[str, Domain]) -> Criterion:
     def here(expr: sp.Basic, text: str = "") -> sp.Basic:
         return moved(expr, text, swap, known)
 
-    named: dict[str, Any] = {
+    found: dict[str, Any] = {
         key: {name: here(x, getattr(law, f"written_{key}")[name]) for name, x in getattr(law, key).items()} for key in _NAMED
     }
-    constraints, texts = moved_relations(law.constraints, law.written_constraints, swap, known)
-    return replace(
-        law,
-        g=sp.nan if law.surfaces or law.forces_of_rates else here(law.g, law.written),
-        parameters=domains,
-        constraints=constraints,
-        written_constraints=texts,
-        energy=None if law.energy is None else here(law.energy, law.written_energy),
-        **named,
-        flow=None if law.flow is None or law.potential else tuple(map(here, law.flow, law.written_flow or repeat(""))),
-        surfaces=tuple(s.moved(here) for s in law.surfaces),
-        closed_form=None if law.closed_form is None else converted(law.closed_form, here),
-    )
+    if law.energy is not None:
+        found["energy"] = here(law.energy, law.written_energy)
+    if law.closed_form is not None:
+        found["closed_form"] = converted(law.closed_form, here)
+    found["constraints"], found["written_constraints"] = moved_relations(law.constraints, law.written_constraints, swap, known)
+    if law.surfaces or law.forces_of_rates:
+        found |= {"g": sp.nan, "surfaces": tuple(s.moved(here) for s in law.surfaces)}
+    else:
+        whole = YieldSurface(law.g, law.flow, law.potential, law.written, law.written_flow).moved(here)
+        found |= {"g": whole.g, "flow": whole.flow}
+    return replace(law, parameters=domains, **found)
 
 
 def _stress(given: Any, law: str) -> Stress | None:
@@ -580,25 +577,19 @@ def criterion(
         declared = Domains(parameters)
         domains = {a: declared.get(a, POSITIVE) for a in arguments if a not in fixed_names}
         domains |= {n: d for n, d in declared.items() if define and n not in domains}  # for what is defined
-        shell = declared_symbols((*axes, *([load] if load else [])), load, domains)
-        local = Definitions.of(define or {}, shell, of, named)
-        values = shell | {n: parse_expression(n, shell, short=local.short) for n in local}
-        made = called(f, values)
+        any_g = symbol(axes[0]) if axes else sp.nan
+        shell = Criterion(named, any_g, domains, axes, load, stress=of, define=define or {})  # which knows what all names stand for
+        made = called(f, shell.symbols() | shell.defined())
         parts = tuple(made) if isinstance(made, list | tuple) else (made,)
         surfaces = parts if any(isinstance(part, YieldSurface) for part in parts) else ()
-        law = Criterion(
-            name=named,
+        law = replace(
+            shell,
             g=sp.nan if surfaces else made,
-            parameters=domains,
-            forces=axes,
-            pressure=load,
             constraints=constraints,  # type: ignore[arg-type]  # read on construction
             flow=flow,  # type: ignore[arg-type]
             summary=(inspect.getdoc(f) or "").split("\n", 1)[0],
             source=source,
             closed_form=closed_form,
-            stress=of,
-            define=local,
             potential=potential,
             domain=Domains(domain),
             surfaces=surfaces,

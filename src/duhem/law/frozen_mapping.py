@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from typing import Any, TypeVar
+from collections.abc import Mapping
+from typing import Any, NoReturn, TypeVar
 
 __all__ = ["FrozenMapping"]
 
@@ -11,39 +11,27 @@ K = TypeVar("K")
 V = TypeVar("V")
 
 
-class FrozenMapping(Mapping[K, V]):
-    """Like the dictionary it is made of, but never changed: it has a hash if its values have one, and can be pickled and copied."""
+class FrozenMapping(dict[K, V]):
+    """A dictionary that is never changed: it has a hash if its values have one; ``|`` and ``copy`` give dictionaries that may change."""
 
-    __slots__ = ("_content",)
+    __slots__ = ()
 
     def __init__(self, content: Mapping[K, V] | None = None) -> None:
-        self._content = dict(content or {})
+        super().__init__(content or {})
 
-    def __getitem__(self, key: K) -> V:
-        return self._content[key]
+    def _refused(self, *_: Any, **__: Any) -> NoReturn:
+        raise TypeError(f"{type(self).__name__} is never changed")
 
-    def __iter__(self) -> Iterator[K]:
-        return iter(self._content)
+    __setitem__ = __delitem__ = clear = pop = popitem = setdefault = update = _refused
 
-    def __reversed__(self) -> Iterator[K]:
-        return reversed(self._content)
+    def __or__(self, other: Any) -> Any:
+        return dict(self) | other
 
-    def __len__(self) -> int:
-        return len(self._content)
+    __ior__ = __or__
 
-    def __or__(self, other: Any) -> dict[K, V]:
-        """What dictionaries give, and so a dictionary; the same for ``other | self`` and for :meth:`copy`."""
-        return self._content | (other._content if isinstance(other, FrozenMapping) else other)
+    def __hash__(self) -> int:  # type: ignore[override]
+        return hash(frozenset(self.items()))
 
-    def __ror__(self, other: Any) -> dict[K, V]:
-        return other | self._content
-
-    def copy(self) -> dict[K, V]:
-        """A dictionary of its own, to be changed at will."""
-        return dict(self._content)
-
-    def __hash__(self) -> int:
-        return hash(frozenset(self._content.items()))
-
-    def __repr__(self) -> str:
-        return repr(self._content)
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Made anew of a dictionary, as a copy is not filled entry by entry."""
+        return type(self), (dict(self),)

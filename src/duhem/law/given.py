@@ -8,6 +8,7 @@ without distributions; a float counts as its decimal, as everywhere.  What SymPy
 from __future__ import annotations
 
 import inspect
+from collections import OrderedDict
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from itertools import chain, repeat
 from typing import Any
@@ -47,11 +48,10 @@ def argument_names(function: Callable[..., Any]) -> list[str]:
 
 def called(function: Callable[..., Any], values: Mapping[str, Any]) -> Any:
     """The function of these values of its arguments; InputError, with the cause, where it cannot be computed with symbols."""
-    arguments = inspect.signature(function).parameters.values()
-    by_place = [values[x.name] for x in arguments if x.kind is not x.KEYWORD_ONLY]
-    by_name = {x.name: values[x.name] for x in arguments if x.kind is x.KEYWORD_ONLY}
+    signature = inspect.signature(function)
+    given = inspect.BoundArguments(signature, OrderedDict((name, values[name]) for name in signature.parameters))
     try:
-        return function(*by_place, **by_name)
+        return function(*given.args, **given.kwargs)
     except InputError:
         raise
     except (TypeError, ValueError, ArithmeticError) as fault:  # an if on a symbol, math.sqrt, a comparison of what is not real

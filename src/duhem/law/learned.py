@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, Any
 from duhem.errors import InputError
 from duhem.expression.abbreviations import Stress
 from duhem.expression.number import DECIMAL, MOST_DIGITS
-from duhem.law.placed_toml import quoted, text_of
+from duhem.law.placed_toml import document_text, text_of
 
 if TYPE_CHECKING:
     import numpy as np
@@ -91,7 +91,7 @@ def learned(
     outputs.  InputError for an array that is missing, is of another shape or is not used.
     """
     book = Book({**arrays}, stem, forces)
-    rows: list[str] = []
+    rows: dict[str, Any] = {}
     if kind == "polynomial":
         g = _polynomial(book)
     else:
@@ -128,19 +128,16 @@ class Book:
         self.texts[file] = "".join(",".join(map(exact, row)) + "\n" for row in array)
         return int(array.shape[0])
 
-    def criterion_file(self, name: str, rows: Sequence[str], g: str, level: str) -> LearnedFile:
+    def criterion_file(self, name: str, rows: Mapping[str, Any], g: str, level: str) -> LearnedFile:
         """The law g <= level, with ``rows`` of definitions over the vector x of the forces."""
-        own, x = self.forces, quoted(self.components)
-        inputs = f'stress = {{ name = "{own.name}", kind = "{own.kind}" }}' if isinstance(own, Stress) else f"forces = {x}"
-        head = ["[criterion]", f"name = {quoted(name)}", inputs, "pressure = false", f'g = "{g} - ({level})"']
-        files = [f"{table} = {quoted(file)}" for table, file in self.files.items()]
-        text = [*head, "", "[tables]", *files, "", "[define]", f"x = {x}", *rows, ""]
-        return LearnedFile("\n".join(text), self.texts)
+        inputs = {"stress": vars(self.forces)} if isinstance(self.forces, Stress) else {"forces": self.components}
+        head = {"name": name, **inputs, "pressure": False, "g": f"{g} - ({level})"}
+        return LearnedFile(document_text({"criterion": head, "tables": self.files, "define": {"x": self.components, **rows}}), self.texts)
 
 
-def _network(book: Book, activation: str, inner: str, first: str, skips: bool) -> tuple[list[str], str]:
+def _network(book: Book, activation: str, inner: str, first: str, skips: bool) -> tuple[dict[str, Any], str]:
     """The definitions of the hidden layers, and the formula of the last."""
-    rows, formula, inputs = list[str](), "", len(book.components)
+    rows, formula, inputs = dict[str, Any](), "", len(book.components)
     name, of, width, layers = first, "x", inputs, next(k for k in count(1) if f"{inner}{k}" not in book.left)
     for k in range(layers):
         height = book.table(name, None, width)
@@ -152,11 +149,12 @@ def _network(book: Book, activation: str, inner: str, first: str, skips: bool) -
             book.table(f"b{k}", height, 1)
             formula += f" + b{k}[i, 1]"
         name, of, width = f"{inner}{k + 1}", f"z{k}", height
-        rows.append(f'{of} = "vector(i, 1, {height}, {activation}({formula}))"')
+        rows[of] = f"vector(i, 1, {height}, {activation}({formula}))"
     if width != 1 or layers == 1:
         what = f"the last layer has {width} outputs" if layers > 1 else "there is one layer"
         raise InputError(what, remedy="give two layers or more, the last of them with one output")
-    return rows[:-1], re.sub(r"\[i, ", "[1, ", formula)
+    del rows[of]
+    return rows, re.sub(r"\[i, ", "[1, ", formula)
 
 
 def _polynomial(book: Book) -> str:

@@ -148,7 +148,7 @@ class _Reader:
     rank: int  # of the input
     found: dict[str, _Value]
     nodes: Mapping[str, GraphNode]  # by output
-    rows: list[str] = field(default_factory=list)
+    rows: dict[str, str | Sequence[str]] = field(default_factory=dict)
 
     def value(self, node: GraphNode) -> _Value:
         """What a node makes of what was found before it."""
@@ -296,17 +296,17 @@ class _Reader:
         return None if not texts else self.listed(texts, x.rank) if at.ndim else _Vector(texts[0], 1, 0)
 
     def listed(self, texts: Sequence[str], rank: int) -> _Vector:
-        return self.defined("[" + ", ".join(f'"{each}"' for each in texts) + "]", len(texts), rank)
+        return self.defined(texts, len(texts), rank)
 
     def named(self, x: _Vector) -> _Vector:
         """The vector as one of which parts can be taken by an index."""
         if re.fullmatch(r"\w+\[i\]", x.formula):
             return x
-        return self.defined(f'"vector(i, 1, {x.width}, {x.formula})"', x.width, x.rank)
+        return self.defined(f"vector(i, 1, {x.width}, {x.formula})", x.width, x.rank)
 
-    def defined(self, text: str, width: int, rank: int) -> _Vector:
+    def defined(self, text: str | Sequence[str], width: int, rank: int) -> _Vector:
         name = f"z{len(self.rows)}"
-        self.rows.append(f"{name} = {text}")
+        self.rows[name] = text
         return _Vector(f"{name}[i]", width, rank)
 
 

@@ -9,14 +9,15 @@ from __future__ import annotations
 import json
 import re
 import tomllib
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from decimal import Decimal
 from os import PathLike
 from typing import Any
 
 from duhem.errors import InputError
 
-__all__ = ["Key", "PlacedToml", "parsed", "quoted", "text_of"]
+__all__ = ["Key", "PlacedToml", "document_text", "parsed", "text_of", "toml"]
 
 Key = str | int  # of a table by name, of an array by number
 _Path = tuple[Key, ...]
@@ -43,9 +44,25 @@ def text_of(path: str | PathLike[str], kind: str, most_bytes: int, *, absent: st
         raise InputError("this is not text in UTF-8", where=f"{path}:{line}", remedy=f"is it a {kind}?") from None
 
 
-def quoted(value: str | Sequence[str]) -> str:
-    """A text, or a list of texts, as TOML has it: a JSON string of printable text is a basic string of TOML."""
-    return json.dumps(value, ensure_ascii=False)
+def toml(value: Any) -> str:
+    """A text, a truth value, a decimal, a list of texts or a table of these, without what is None, as TOML has it on one line.
+
+    A JSON string of printable text is a basic string of TOML.
+    """
+    if isinstance(value, Mapping):
+        said = ", ".join(f"{key} = {toml(part)}" for key, part in value.items() if part is not None)
+        return f"{{ {said} }}" if said else "{}"
+    return f"{value:f}" if isinstance(value, Decimal) else json.dumps(value, ensure_ascii=False)
+
+
+def document_text(sections: Mapping[str, Mapping[str, Any] | Sequence[Mapping[str, Any]]]) -> str:
+    """A document of sections, or of lists of them, with their keys; what is None is left out."""
+    lines = list[str]()
+    for name, content in sections.items():
+        header, tables = (f"[{name}]", [content]) if isinstance(content, Mapping) else (f"[[{name}]]", content)
+        for table in tables:
+            lines += ["", header, *(f"{key} = {toml(value)}" for key, value in table.items() if value is not None)]
+    return "\n".join(lines[1:]) + "\n"
 
 
 @dataclass(frozen=True)
@@ -97,10 +114,7 @@ def parsed(text: str, where: str, *, number: Callable[[str], Any] = float) -> Pl
     try:
         document = tomllib.loads(text, parse_float=number)
         placed = PlacedToml(where, text, document, _Scan(text).spots)
-        for path, value in _integers(document):
-            if not -_LARGEST < value < _LARGEST:
-                raise InputError("the number is too long", where=placed.place(*path), remedy=f"at most {_MOST_DIGITS} digits are read")
-        return placed
+        long = next((path for path, value in _integers(document) if not -_LARGEST < value < _LARGEST), None)
     except tomllib.TOMLDecodeError as fault:
         what, _, place = str(fault).partition(" (at ")
         if numbers := re.fullmatch(r"line (\d+), column (\d+)\)", place):
@@ -108,10 +122,11 @@ def parsed(text: str, where: str, *, number: Callable[[str], Any] = float) -> Pl
         else:
             at = f"{where}:{text.count(chr(10), 0, len(text.rstrip())) + 1}" if place else where
         raise InputError(what[:1].lower() + what[1:], where=at, remedy="correct the TOML syntax") from None
-    except InputError:
-        raise
     except (RecursionError, ValueError, ArithmeticError):
         raise InputError("the file nests too deeply or holds a number that is too large", where=where, remedy="simplify it") from None
+    if long is not None:
+        raise InputError("the number is too long", where=placed.place(*long), remedy=f"at most {_MOST_DIGITS} digits are read")
+    return placed
 
 
 def _integers(found: Any, path: _Path = ()) -> Iterator[tuple[_Path, int]]:

@@ -182,7 +182,7 @@ def as_written(law: Criterion, surface: Criterion | YieldSurface | None = None) 
 def texts(law: Law, expressions: Sequence[sp.Basic], written: Sequence[str]) -> list[str]:
     """The texts that were given for expressions of a law, else what these are printed as."""
     given = zip_longest(expressions, written[: len(expressions)], fillvalue="")
-    return [text or faithful(expr, law.symbols().values()) for expr, text in given]
+    return [text or faithful(expr, tuple(law.symbols().values())) for expr, text in given]
 
 
 def _trees(law: Criterion, stated: Criterion | YieldSurface, values: Mapping[str, sp.Expr]) -> list[sp.Expr]:

@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from difflib import get_close_matches
 from pathlib import Path
-from typing import Any
+from typing import Any, NoReturn
 
 from duhem.errors import InputError
 from duhem.law.frozen_mapping import FrozenMapping
@@ -61,11 +61,9 @@ class AtlasEntry(Shown):
 class Atlas(Shown, FrozenMapping[str, AtlasEntry]):
     """Laws of the atlas by name; each name stands for a law wherever one is asked for."""
 
-    def __getitem__(self, name: str) -> AtlasEntry:
-        if name not in self._content:
-            near = get_close_matches(str(name), self._content, n=1)
-            raise KeyError(f"{name}; {f'did you mean {near[0]}?' if near else 'duhem.atlas() names those it has'}")
-        return self._content[name]
+    def __missing__(self, name: str) -> NoReturn:
+        near = get_close_matches(str(name), self, n=1)
+        raise KeyError(f"{name}; {f'did you mean {near[0]}?' if near else 'duhem.atlas() names those it has'}")
 
     def __repr__(self) -> str:
         return f"<Atlas: {len(self)} laws of {', '.join(dict.fromkeys(law.group for law in self.values()))}>"

@@ -17,19 +17,22 @@ Source: N. Antoni, J.-L. Ligier, P. Saffré and J. Pastor (2007), Int. J. Eng. S
 
 from sympy import Expr, cos, sin, sqrt
 
-from duhem.law.curve_law import parametric
+from duhem.expression import symbol
+from duhem.law.curve_law import ParametricCriterion
+from duhem.law.domain import POSITIVE
+
+NAMES = "tan_alpha", "tan_beta", "mu_alpha", "mu_beta"
+phi, (a, b, mu_a, mu_b) = symbol("phi"), map(POSITIVE.symbol, NAMES)
 
 
-def _side(phi: Expr, t: Expr, mu: Expr) -> tuple[Expr, Expr]:
+def _side(t: Expr, mu: Expr) -> tuple[Expr, Expr]:
     friction = mu * sqrt((1 + t**2) / (1 + t**2 * cos(phi) ** 2))
     return (t + friction * cos(phi)) / (1 - friction * t * cos(phi)), friction * sin(phi) / (1 - friction * t * cos(phi))
 
 
-@parametric(
-    constraints=["mu_alpha*tan_alpha < 1", "mu_beta*tan_beta < 1"], flow=["cos(phi)", "sin(phi)"], instead="antoni2007",
+wedge = ParametricCriterion(
+    "wedge", tuple((b * x + a * y) / (a + b) for x, y in zip(_side(a, mu_a), _side(-b, mu_b), strict=True)), dict.fromkeys(NAMES, POSITIVE),
+    constraints=("mu_alpha*tan_alpha < 1", "mu_beta*tan_beta < 1"), flow=("cos(phi)", "sin(phi)"), instead="antoni2007",
+    summary="Oblique sliding over a profile of wedges: a boundary curve with a slip of its own (non-associated).",
     source="Antoni et al. (2007), section 2, Eqs. (4), (6), (13), (15), (16)", derivation="duhem.micromodel.derivation:derive",
 )  # fmt: skip
-def wedge(phi: Expr, tan_alpha: Expr, tan_beta: Expr, mu_alpha: Expr, mu_beta: Expr) -> tuple[Expr, Expr]:
-    """Oblique sliding over a profile of wedges: a boundary curve with a slip of its own (non-associated)."""
-    (a, b), (c, d) = _side(phi, tan_alpha, mu_alpha), _side(phi, -tan_beta, mu_beta)
-    return (tan_beta * a + tan_alpha * c) / (tan_alpha + tan_beta), (tan_beta * b + tan_alpha * d) / (tan_alpha + tan_beta)
