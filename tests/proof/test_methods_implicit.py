@@ -225,7 +225,7 @@ def test_whether_the_boundary_crosses_a_seam(g: sp.Expr, switch: sp.Expr, crosse
 def test_an_open_answer_says_nothing_of_a_seam(monkeypatch: pytest.MonkeyPatch) -> None:
     law = subject("a**2 + b**2 - 1")
     for answer in (Answer(None), Answer(False)):
-        monkeypatch.setattr(FormulaSubject, "ask", lambda *_, told=answer, **__: told)
+        monkeypatch.setattr(AskedSubject, "ask", lambda *_, told=answer, **__: told)
         assert implicit._crossed(law, Branch({b: 1}, a**2 + b**2 - 1)) is False
         assert implicit._outward_kink(law, Branch({b: 1}, a**2 + b**2 - 1), Branch({b: -1}, a**2 + 2 * b**2 - 1)) is False
         assert implicit._star(law, (Branch({}, a**2 + b**2 - 1),)) is False and implicit._regular(law, sp.exp(a), ()) is False

@@ -367,7 +367,6 @@ def test_a_lie_is_not_confirmed(lie: Lie) -> None:
     ("own", "premise", "stands"),
     [
         ("something (smt-z3)", Trust.PROVER, Trust.PROVER),
-        ("something (smt-z3)", Trust.CHECKED, Trust.SOLVER),
         ("something", Trust.SOLVER, Trust.PROVER),
         ("something", Trust.CHECKED, Trust.PROVER),
     ],

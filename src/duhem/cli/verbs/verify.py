@@ -87,7 +87,8 @@ def verify(
     LAW may also be a pattern such as 'laws/*.toml'.
 
     A proof covers the whole domain of the parameters and every pressure. --set fixes a parameter. The trust of a proof is: checked (the
-    kernel, a small independent program, confirmed it) or prover (the kernel has no rule for this argument). Results go to standard output, progress messages to standard error.
+    kernel, a small independent program, confirmed it) or prover (the kernel has no rule for this argument). Results go to standard
+    output, progress messages to standard error.
 
     If you give several laws, each of them has one line of output. If a law cannot be read, crashes, or needs more than 600 s of
     processor time or 4 GB, its line says so, and the exit code is 4. With --coupled, --report, --format json or --format junit, duhem
