@@ -16,7 +16,7 @@ from duhem.proof.kernel.definedness import Reader, divides_by_zero_force, undeci
 from duhem.proof.kernel.domain import NEGATIVE, POSITIVE, StatedDomain
 from duhem.proof.kernel.forms import place_of
 from duhem.proof.kernel.gradient import gradient
-from duhem.proof.kernel.identity import in_order, vanishes
+from duhem.proof.kernel.identity import in_order, signs_as_sizes, vanishes
 from duhem.proof.kernel.normal_form import normal
 from duhem.proof.kernel.pieces import chooses
 from duhem.proof.kernel.plane_gauge import StarGauge, above_zero_along_rays
@@ -539,7 +539,7 @@ RULES: Mapping[tuple[str, str], RuleRow] = {
         "of the flow dissipate too (Koiter 1953)", True,
     ),
     ("dissipation", "resistance"): RuleRow(
-        _NONE, lambda law, _: over(law).never_negative(law.g), obligations.flow,
+        _NONE, lambda law, _: over(law).never_negative(signs_as_sizes(law.g, over(law))), obligations.flow,
         "the forces as functions of the rates have sum of force . rate >= 0",
     ),
     ("normality", "monotone-resistance"): RuleRow(
