@@ -327,7 +327,8 @@ def _power(term: Term, domain: StatedDomain) -> Facts:
         return Facts(defined, sign, p > 0 and base.convex_in_size, False, p > 0 and base.convex_in_size)
     if not base.nonnegative:
         rising = bool(whole and p and p > 0)
-        return Facts(defined, base.sign if whole and p else ANY, False, False, rising and base.quasiconvex)
+        root = ANY if p is None else POSITIVE | (ZERO if p > 0 else 0)  # it has a value for a base >= 0 alone
+        return Facts(defined, base.sign if whole else root, False, False, rising and base.quasiconvex)
     sign = base.sign if exponent.sign == POSITIVE else POSITIVE | (base.sign if exponent.sign & POSITIVE else 0)
     if not domain.facts(Term("+", (term.args[1], number(-1)))).sign & NEGATIVE:
         return Facts(defined, sign, base.convex, False, base.quasiconvex)
