@@ -138,6 +138,9 @@ def drawn(law: Mapping[str, Any], part: str, rng: Random) -> Text | None:
         return None
     if part == "g" and _value_or_none(_at(new, path), {**point, **dict.fromkeys(law["forces"], Fraction(0))}) is not None:
         claims -= {"origin"}  # g has a value at zero force
+    rays = ({**point, **{n: r * point[n] for n in law["forces"]}} for r in (Fraction(1, 3), Fraction(2), Fraction(7)))
+    if part == "g" and not any(_has_value(_at(new, path), at) for at in rays):
+        claims -= {"dissipation"}  # it has none on a ray from zero force: a boundary that ends there has its normal across the ray
     if "energy" in law and _has_value(_at(new, path), point | _forces(law, point)):
         claims -= {"dissipation"}  # it is asked in states alone, and there is a value in this one
     return Text(new, part, kin, point, frozenset(claims))

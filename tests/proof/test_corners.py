@@ -125,6 +125,25 @@ JOINED = [  # two boundaries that meet, or one and the seam, where g jumps
     law("where(3*max(a, b) + min(a, b) > 0, max(a, b) - t, (a - b)**2/(8*t) + a + b)", forces=TWO, t=POSITIVE),  # Griffith (1924)
     law("max(where(a > 0, a**2 + c**2, -a), where(b > 0, b**2 + c**2, b**2/4 - b + c**2)) - 1"),  # as of Hashin (1980)
 ]
+KUPFER = "where(A <= 0, (A + B)**2 + B + 3.65*A, where(B <= 0, A - t*(1 + 0.8*B), A - t))"  # Kupfer, Gerstle (1973)
+IN_MANY_PIECES = {
+    True: [KUPFER, KUPFER.removesuffix("A - t))") + "A + B/2 - t))"],
+    False: [
+        "where(A <= 0, norm(A, B) - t, where(B <= 0, norm(A, B) - t, sqrt((A**4 + B**4 + 2*A**2*B**2)**(1/2)) - t))",
+    ],
+}
+
+
+@pytest.mark.parametrize(("g", "cornered"), [(g, cornered) for cornered, laws in IN_MANY_PIECES.items() for g in laws])
+def test_corners_of_a_formula_in_too_many_pieces_are_found_by_going_around_it(g, cornered):
+    one = law(g.replace("A", "max(a, b)").replace("B", "min(a, b)"), TWO, t=Domain.between("0.06", "0.12"))()
+    subject = FormulaSubject(one)
+    assert subject.pieces is None
+    found = refuters.smoothness_at_corners(subject)
+    assert (found is not None) is cornered
+    assert found is None or (found.witness is not None and confirmed(one, "smoothness", found.witness))
+
+
 SMOOTHLY_JOINED = [  # g jumps, the outward normal does not
     law("where(a > 0, a**2 + b**2 - 1, 5*(a**2 + b**2 - 1))", forces=TWO),
     law("where(a > 0, a**2 + b**2 - 1, abs(b) - 1)", forces=TWO),

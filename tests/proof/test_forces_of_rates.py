@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import flint
+import numpy as np
 import pytest
 from click.testing import CliRunner
 
@@ -111,6 +112,27 @@ def test_friction_in_the_plane_under_a_pressure_dissipates() -> None:
     stated = StatedLaw.read(law_as_text(plane))
     assert objection("dissipation", "resistance", frozenset(), stated, {}) == ""
     assert objection("normality", "monotone-resistance", frozenset(), stated, {})  # it derives from a potential, which no rule shows
+
+
+@pytest.mark.parametrize(
+    ("function", "dissipates"),
+    [
+        ("F_C*sign(u_in_rate)", True),
+        ("F_C*sign(u_in_rate)*(abs(u_in_rate)/(v_S + abs(u_in_rate)**3))**(1/3)", True),  # Gagliardini et al. (2007)
+        ("sign(u_in_rate)*F_C + u_in_rate*F_S", True),
+        ("-F_C*sign(u_in_rate)", False),
+        ("h*sign(u_in_rate)", False),
+        ("F_C*sign(u_in_rate - v_S)", False),
+        ("F_C*sign(u_in_rate)**2", False),
+        ("F_C*sign(u_in_rate)*(v_S - abs(u_in_rate))", False),
+    ],
+)
+def test_a_rate_times_its_sign_is_its_size(function: str, dissipates: bool) -> None:
+    made = law(function, F_C=POSITIVE, F_S=POSITIVE, v_S=POSITIVE, h=Domain.between(-1, 1))
+    assert (not objection("dissipation", "resistance", frozenset(), StatedLaw.read(law_as_text(made)), {})) is dissipates
+    rates = np.linspace(-3, 3, 601)
+    names = {"sign": np.sign, "abs": np.abs, "u_in_rate": rates, "F_C": 0.7, "F_S": 0.2, "v_S": 1.1, "h": -0.5}
+    assert bool(np.all(rates * eval(function, names) >= 0)) is dissipates
 
 
 # -- certificates --------------------------------------------------------------------------------------------------------

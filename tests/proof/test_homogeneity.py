@@ -1,13 +1,18 @@
 """Dissipation by Euler's relation alone, and signs of what holds exponentials; beside each what is almost so and false."""
 
+from contextlib import suppress
 from fractions import Fraction
 
+import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
-from duhem import Criterion, Domain, verify
+from duhem import Criterion, Domain, InputError, verify
 from duhem.proof.certificate import law_as_text
 from duhem.proof.kernel.certificate import stated
 from duhem.proof.kernel.claims import objection
+from duhem.proof.kernel.steps import TooDearError, within
 from duhem.proof.verdict import Trust, Verdict
 from tests.long import long_but
 from tests.oracles.prover import degrees
@@ -49,7 +54,6 @@ def test_at_zero_force_the_power_is_zero_anyway(g):
     [
         law("a**2 + b**2 + c**2 - 3*a + 2"),  # 0 is outside
         law("a**2 - b**2 + c**2 - a"),  # so do A and B
-        law("a**4 - 5*a**2*b**2 + b**4 + c**4 - k", k=Domain.between(0, 1)),  # B may be 0
         law("where(a > 0, norm(a, b, c), 2*norm(a, b, c)) - 1"),  # it jumps
         law("norm(a, b, c) - exp(a)"),  # of no degree
         Criterion("law", "norm(a, b, c) - 1", {}, forces=("a", "b", "c"), pressure=None, flow=("-a", "-b", "-c")),
@@ -118,3 +122,106 @@ def test_the_normals_of_a_cone_are_across_the_force(g):
 )
 def test_what_only_looks_like_a_cone(one):
     assert degrees.dissipation(AskedSubject(one)) is None and not checked(one)
+
+
+# -- parts without a value on a cone -------------------------------------------------------------------------------------
+
+J2 = "(((a - b)**2 + (b - c)**2 + (c - a)**2)/6)"
+J3 = "((2*a - b - c)*(2*b - c - a)*(2*c - a - b)/27)"
+LODE = f"(3*sqrt(3)/2*{J3}/{J2}**(3/2))"
+ROUND = f"3*{J2}/k*(1 - 27/32*{J3}**2/{J2}**3) + 7/8*(m - 1)*(a + b + c) - 7/8*m*k"
+SECTION = f"(sqrt(1 + q) - sqrt(1 - q))*e/(e*sqrt(1 + q) - sqrt(1 - q) + (1 - e)*sqrt(1 + q*{LODE}))"
+BICUBIC = f"((27*{J2}**3 + q*27/2*{J3}*(3*{J2})**(3/2))/(1 + q))**(1/6) + m*(a + b + c) - k"
+CAPPED = f"{J2} - (a + b + c)**2*(m + k*(a + b + c))/sqrt(1 + e*{LODE})"
+COMPRESSED = dict.fromkeys("abc", Domain.between(None, 0))
+WORDS = {"abs": np.abs, "norm": lambda *x: np.sqrt(sum(y**2 for y in x)), "sqrt": np.sqrt, "pos": lambda x: np.maximum(x, 0)}
+UNIT = Domain.between(0, 1)
+CONE = {"e": Domain.between("3/5", 1), "q": Domain.fixed("99/100"), "m": POSITIVE}
+VALUES = {"k": 1.0, "m": 0.5, "e": 0.6, "q": 0.99}
+
+
+def falls(g, values, ranges):
+    """Whether g, in floats, is > 0 and then < 0 along a ray, some rays being near the axis and near planes on which forces are 0."""
+    rng = np.random.default_rng(7)
+    ways = rng.normal(size=(900, 3))
+    ways[:300] = rng.choice([-1.0, 1.0], size=(300, 1)) + ways[:300] * 10.0 ** rng.uniform(-4, 0, size=(300, 1))
+    ways[300:500] = rng.integers(-2, 3, size=(200, 3)) + 1e-4 * ways[300:500]
+    points = (-np.abs(ways) if ranges else ways)[:, None, :] * np.geomspace(1e-3, 1e3, 500)[:, None]
+    with np.errstate(all="ignore"):
+        level = eval(g, {**WORDS, **values}, dict(zip("abc", np.moveaxis(points, -1, 0), strict=True)))
+    level = np.where(np.isfinite(level), level, 0)
+    small = 1e-7 * np.maximum.accumulate(np.abs(level), axis=1)
+    above = np.maximum.accumulate(level > small, axis=1)
+    return bool(np.any(above & (level < -small)))
+
+
+def asked(g, ranges, **parameters):
+    with suppress(TooDearError), within(2_000_000):
+        return checked(Criterion("law", g, parameters, forces=("a", "b", "c"), pressure=None, domain=ranges))
+    return False
+
+
+STARS = [
+    (ROUND, {"k": POSITIVE, "m": Domain.between(1, "8/5")}, {}),  # Ghorbel (2008): 0/0 on the axis, which the boundary meets
+    (f"(m*(a + b + c)**6 + 27*{J2}**3 + q*{J3}**2)**(1/6) - k", {"m": UNIT, "q": Domain.between(-182, 60), "k": POSITIVE}, {}),
+    (BICUBIC, {"q": Domain.between("-3/10", 1), "m": UNIT, "k": POSITIVE}, {}),  # Altenbach, Bolchoun, Kolupaev (2014)
+    (f"sqrt(3*{J2}) - m*{SECTION}*(k - (a + b + c)/3)", CONE | {"k": POSITIVE}, {}),  # Jiang (1988)
+    (CAPPED, {"m": POSITIVE, "k": POSITIVE, "e": Domain.between(0, "3/4")}, COMPRESSED),  # as of Desai (1986): no value on the axis
+    ("a**4 - 5*a**2*b**2 + b**4 + c**4 - k", {"k": UNIT}, {}),  # a cone for k = 0
+    ("(a**2 + b**2 + c**2)**2 - m*a**2", {"m": UNIT}, {}),  # grad g = 0 at zero force
+    ("norm(a, b, c) + a**2/abs(b) - k", {"k": POSITIVE}, {}),
+    ("abs(a)/abs(a) + b**2 + c**2 - k", {"k": POSITIVE}, {}),  # K has no point with a = 0: its normals there are across it
+]  # fmt: skip
+NO_STARS = [  # and values with which g falls
+    (ROUND, {"k": POSITIVE, "m": Domain.between(-2, 1)}, {}, {"k": 1.0, "m": -1.9}),
+    (ROUND.replace("27/32", "27/4*(1 + m)"), {"k": POSITIVE, "m": UNIT}, {}, {"k": 1.0, "m": 0.2}),
+    (BICUBIC, {"q": UNIT, "m": UNIT, "k": Domain.between(-1, 1)}, {}, {"q": 0.5, "m": 1.0, "k": -1.0}),
+    (f"sqrt(3*{J2}) - m*{SECTION}*(k - (a + b + c)/3)", CONE | {"k": Domain.between(-1, 1)}, {}, VALUES | {"k": -1.0}),
+    (CAPPED, {"m": POSITIVE, "k": POSITIVE, "e": Domain.between(0, "3/4")}, {}, VALUES),  # in tension g falls again
+    ("a**4 - 5*a**2*b**2 + b**4 + c**4 - k", {"k": Domain.between(-1, 1)}, {}, {"k": -1.0}),
+    ("(a**2 + b**2 + c**2)**2 - m*a**2 + (1 - m)/40", {"m": UNIT}, {}, {"m": 0.8}),
+    ("k - norm(a, b, c) + a**2/abs(b)", {"k": POSITIVE}, {}, VALUES),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("g", "parameters", "ranges"), STARS)
+def test_rays_without_a_value_are_left_out(g, parameters, ranges):
+    assert asked(g, ranges, **parameters)
+    assert not falls(g, VALUES, ranges) and not falls(g, VALUES | {"k": 0.1, "m": 1.0}, ranges)
+
+
+@pytest.mark.parametrize(("g", "parameters", "ranges", "values"), NO_STARS)
+def test_a_g_that_falls_along_some_ray_is_not_shown_to_dissipate(g, parameters, ranges, values):
+    assert not asked(g, ranges, **parameters)
+    assert falls(g, values, ranges)
+
+
+@pytest.mark.parametrize("part", ["abs(a - 1)/abs(a - 1)", "abs(a + b - m)/abs(a + b - m)", "norm(a, c - k)/norm(a, c - k)"])
+@pytest.mark.parametrize("g", ["norm(a, b, c) + part - k - 3", f"sqrt({J2})*(1 + part) + a + b + c - k", "(a**2 + b**2)*part + c**4 - k"])
+def test_a_plane_or_a_line_beside_0_without_a_value_is_an_end_of_k(g, part):
+    """Beside {a = 1} K has the normals +a and -a, of which one has a power < 0; what is 0 on a cone is left out as before."""
+    known = {"k": POSITIVE, "m": POSITIVE}
+    assert not asked(g.replace("part", f"({part})"), {}, **known)
+    at_zero = part.replace(" - 1", "").replace(" - m", "").replace(" - k", "")
+    assert asked(g.replace("part", f"({at_zero})"), {}, **known)
+
+
+_TERM = st.sampled_from([
+    LODE, "abs(a)/abs(a)", f"a**2/{J2}", "a", "norm(a, b)", f"sqrt({J2})", "pos(b)", "a**2/abs(b)", f"{J3}/{J2}", "a**2", J2, "a*b",
+    f"{J2}*(1 - 27/32*{J3}**2/{J2}**3)", f"sqrt({J2})*(a + b + c)",
+])  # fmt: skip
+_SCALE = st.sampled_from(["m*", "-m*", "e*", "-e*", "(1 - e)*", "q*", ""])  # 0 and both signs among them
+
+
+@pytest.mark.slow
+@settings(max_examples=12, deadline=None, derandomize=True)
+@given(
+    terms=st.lists(st.tuples(_SCALE, _TERM, st.sampled_from(["", f"*(1 + e*{LODE}/2)"])), min_size=1, max_size=3),
+    end=st.sampled_from(["- k", "- e", "+ q", "- 1"]),
+)
+def test_of_drawn_sums_none_that_falls_is_shown_to_dissipate(terms, end):
+    g = " + ".join(f"{scale}{part}{factor}" for scale, part, factor in terms) + f" {end}"
+    with suppress(InputError):  # no force is left
+        if asked(g, {}, m=POSITIVE, k=POSITIVE, e=UNIT, q=Domain.between(-1, 1)):
+            drawn = [{"m": 1.0, "k": 1.0, "e": e, "q": q} for e in (0.0, 0.5, 1.0) for q in (-1.0, 0.0, 1.0)]
+            assert not any(falls(g, values, {}) for values in drawn)

@@ -34,7 +34,7 @@ F = Fraction
         ("smoothness composition", "a**2 + b**2 - 1 + 0/e", False), ("smoothness euler", "a**3 + a*b**2 - m", True),
         ("smoothness euler", "abs(a) + abs(b) - m", False), ("smoothness euler", "a**2 + b**2 - m + 0/e", False),
         ("smoothness euler", "a**2 + b - m", True), ("dissipation homogeneity", "a**2 - b**2 - m", True),
-        ("dissipation homogeneity", "a**2 - b**2 - e", False), ("dissipation homogeneity", "a**2 - b**2 - m + 0/e", False),
+        ("dissipation homogeneity", "a**2 - b**2 - e", True), ("dissipation homogeneity", "a**2 - b**2 - m + 0/e", False),
         ("origin polar-form", "norm(a, b) + a**2/norm(a, b) - 1", True), ("origin polar-form", "norm(a, b) - 1", False),
         ("state_laws by-construction", "a", True), ("state_laws by-construction", "norm(a, b)/e - q", True),
     ],

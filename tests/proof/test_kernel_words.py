@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from random import Random
 
+import numpy as np
 import pytest
 
 from duhem.proof.kernel.bounds import Facts
@@ -94,6 +95,31 @@ def test_signs_of_words(text: str, sign: int) -> None:
 def test_curvature_of_words(text: str, convex: bool, concave: bool, quasiconvex: bool) -> None:
     found = shown(text)
     assert (found.convex, found.concave, found.quasiconvex) == (convex, concave, quasiconvex)
+
+
+@pytest.mark.parametrize("word", ["tanh", "atan"])
+@pytest.mark.parametrize(
+    ("inner", "concave"),
+    [
+        ("x", True), ("x/m", True), ("e*x", True), ("sqrt(x)", True), ("sqrt(x) + x", True), ("-x*k", True), ("min(x, 1 + y)", True),
+        ("tanh(x)", True), ("x - 1", False), ("x**2", False), ("q*x", False), ("-x", False), ("x - e", False),
+        ("x*y", False), ("pos(x - 1)", False),
+    ],
+)  # fmt: skip
+def test_a_word_that_rises_ever_less_of_what_is_concave_and_above_zero(word: str, inner: str, concave: bool) -> None:
+    """For x and y >= 0; what is not concave has a chord above it, in floats."""
+    text = f"{word}({inner})".replace("x", "a").replace("y", "b")
+    quadrant = over(StatedLaw.read(drawn_formulas.law("a + b"))).where({parse("a"): False, parse("b"): False})
+    turned = quadrant.facts(parse(text.replace("(", "(-(", 1) + ")"))
+    assert (quadrant.facts(parse(text)).concave, turned.convex) == (concave, concave)
+    of = compile(text, "g", "eval")
+    rng, above = np.random.default_rng(3), 0.0
+    words = {"tanh": np.tanh, "atan": np.arctan, "sqrt": np.sqrt, "abs": np.abs, "min": np.minimum, "pos": lambda x: np.maximum(x, 0)}
+    for m, e, q, k in [(0.3, 0.4, 1.0, -1.0), (2.0, 0.5, -1.0, -2.0), (1.0, 0.2, -0.5, -0.5)]:
+        one, two = rng.uniform(0, 3, size=(2, 2, 4000))
+        values = [eval(of, words | {"m": m, "e": e, "q": q, "k": k, "a": a, "b": b}) for a, b in (one, two, (one + two) / 2)]
+        above = max(above, float(np.max((values[0] + values[1]) / 2 - values[2])))
+    assert (above < 1e-12) is concave
 
 
 def drawn(rng: Random, depth: int) -> str:

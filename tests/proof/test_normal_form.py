@@ -58,6 +58,7 @@ SPELLED = [
         "pos(x - y) + neg(x - y)",
         "sqrt((x - y)**2)",
         "y - x + 2*pos(x - y)",
+        "(x - y)*sign(x - y)",
     ),
     (
         "abs(x)**n + abs(y)**n",

@@ -16,7 +16,7 @@ from duhem.proof.kernel.definedness import Reader, divides_by_zero_force, undeci
 from duhem.proof.kernel.domain import NEGATIVE, POSITIVE, StatedDomain
 from duhem.proof.kernel.forms import place_of
 from duhem.proof.kernel.gradient import gradient
-from duhem.proof.kernel.identity import in_order, vanishes
+from duhem.proof.kernel.identity import in_order, signs_as_sizes, vanishes
 from duhem.proof.kernel.normal_form import normal
 from duhem.proof.kernel.pieces import chooses
 from duhem.proof.kernel.plane_gauge import StarGauge, above_zero_along_rays
@@ -280,8 +280,9 @@ def regular_along_rays(law: StatedLaw, evidence: Evidence) -> bool:
     Where it has no value, that is asked of the rest alone, if it tends to a limit < 0 there, or if this is outside the forces' ranges.
     """
     there = law.once(where_it_has_a_value) if _inside_at_tips(law) else within_ranges(law)
-    read = _where_defined(law, _over(law, evidence), there)
-    return any((degrees.is_a_graph(law) or degrees.grows_along_rays(g, place)) and smooth_near_the_boundary(g, place) for g, place in read)
+    read = _where_defined(law, _over(law, evidence), there, _inside_at_tips(law))
+    graph = degrees.is_a_graph(law)
+    return any((graph or degrees.grows_along_rays(*place, steep=True)) and smooth_near_the_boundary(*place) for place in read)
 
 
 def one_force(law: StatedLaw, evidence: Evidence) -> bool:
@@ -315,14 +316,22 @@ def euler(law: StatedLaw, _: Evidence) -> bool:
 
 
 def homogeneity(law: StatedLaw, _: Evidence) -> bool:
-    """d g(r sigma)/dr >= 0 at r = 1 wherever g = 0, and no limit of grad g is 0: so sigma . n >= 0 for each; or K is a cone: it is 0."""
-    read = _where_defined(law, over(law), law.once(where_it_has_a_value))
-    return law.associated and any(degrees.is_cone(*place) or degrees.grows_along_rays(*place) for place in read)
+    """g(r sigma)/r^m does not fall with r > 0: so sigma . n >= 0 for every normal n; or K is a cone: it is 0.
+
+    What is divided by, and may be 0, is of one degree.  Else g may have no value on a plane beside 0, as in (a - 1)/(a - 1): K as it is
+    written leaves that out, and ends there with a normal to either side.
+    """
+    inside, ended = law.once(where_it_has_a_value), law.once(obligations.formula_but_at_tips)
+    cones = all(degrees.is_cone(x, over(law)) for x in inside.sides.keys() - within_ranges(law).sides.keys())
+    if not law.associated or (ended and not cones):
+        return False
+    read = _where_defined(law, over(law), inside if cones else over(law), tips=not ended)
+    return any(degrees.is_cone(*place) or degrees.grows_along_rays(*place, steep=False) for place in read)
 
 
-def _where_defined(law: StatedLaw, whole: StatedDomain, inside: StatedDomain) -> Iterator[tuple[Term, StatedDomain]]:
-    """g, in the ``whole`` and ``inside``, as far as it has a value there, and inside its normal form too."""
-    if whole.facts(law.g).defined or _inside_at_tips(law):
+def _where_defined(law: StatedLaw, whole: StatedDomain, inside: StatedDomain, tips: bool) -> Iterator[tuple[Term, StatedDomain]]:
+    """g, in the ``whole``, or but at ``tips``, and ``inside``, as far as it has a value there, and inside its normal form too."""
+    if whole.facts(law.g).defined or (tips and not chooses(law.g, over(law))):
         yield law.g, whole
     for spelled in (lambda g, _: g, normal) if Reader(inside).undecided(law.g) is None else ():
         yield spelled(law.g, inside), inside
@@ -515,8 +524,8 @@ RULES: Mapping[tuple[str, str], RuleRow] = {
     ),
     ("dissipation", "homogeneity"): RuleRow(
         _NONE, homogeneity, obligations.formula_where_it_has_a_value,
-        "the degrees of the parts of g in the forces show that sigma . grad g >= 0 wherever g = 0, with grad g != 0, or that K is a cone "
-        "and sigma . grad g = 0 (Euler)",
+        "the degrees of the parts of g in the forces show that K is star-shaped about 0, so that sigma . n >= 0 for every normal n, or "
+        "that K is a cone, and sigma . n = 0 (Euler)",
     ),
     ("dissipation", "potential"): RuleRow(
         _NONE, potential, obligations.formula_and_potential,
@@ -537,7 +546,7 @@ RULES: Mapping[tuple[str, str], RuleRow] = {
         "of the flow dissipate too (Koiter 1953)", True,
     ),
     ("dissipation", "resistance"): RuleRow(
-        _NONE, lambda law, _: over(law).never_negative(law.g), obligations.flow,
+        _NONE, lambda law, _: over(law).never_negative(signs_as_sizes(law.g, over(law))), obligations.flow,
         "the forces as functions of the rates have sum of force . rate >= 0",
     ),
     ("normality", "monotone-resistance"): RuleRow(

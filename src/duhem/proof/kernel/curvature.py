@@ -40,7 +40,7 @@ from duhem.proof.kernel.term import HALF, NotWritten, Term, minus, number, produ
 __all__ = ["over", "shown", "within_ranges"]
 
 _ONE = number(1)
-_SIGN_KEPT = (  # words that rise, and have the sign of what they are of; a new word is a row here
+_SIGN_KEPT = (  # words that are odd, rise, and are concave from 0 on; a new word is a row here
     "tanh", "atan",
 )  # fmt: skip
 _KINKS, _MOST_KINDS = ("abs", "pos", "neg"), 12  # of a sum, the parts that are not equal
@@ -167,7 +167,7 @@ def _by_its_word(term: Term, domain: StatedDomain) -> Facts:
         case "tan" if defined and below_right(term.args[0], domain.sign):  # beyond it has another sign than its angle
             return _risen(x)
         case word if word in _SIGN_KEPT:
-            return Facts(x.defined, x.sign, False, False, x.quasiconvex)
+            return Facts(x.defined, x.sign, x.convex and not x.sign & POSITIVE, x.concave and x.nonnegative, x.quasiconvex)
         case "sin" | "cos" if below_right(term.args[0], domain.sign):
             return Facts(x.defined, x.sign if term.op == "sin" else POSITIVE)
         case "sin" | "cos" | "tan" | "atan2" | "<" | "<=" | ">" | ">=":  # an angle jumps where the first is 0 and the second < 0
@@ -327,7 +327,8 @@ def _power(term: Term, domain: StatedDomain) -> Facts:
         return Facts(defined, sign, p > 0 and base.convex_in_size, False, p > 0 and base.convex_in_size)
     if not base.nonnegative:
         rising = bool(whole and p and p > 0)
-        return Facts(defined, base.sign if whole and p else ANY, False, False, rising and base.quasiconvex)
+        root = ANY if p is None else POSITIVE | (ZERO if p > 0 else 0)  # it has a value for a base >= 0 alone
+        return Facts(defined, base.sign if whole else root, False, False, rising and base.quasiconvex)
     sign = base.sign if exponent.sign == POSITIVE else POSITIVE | (base.sign if exponent.sign & POSITIVE else 0)
     if not domain.facts(Term("+", (term.args[1], number(-1)))).sign & NEGATIVE:
         return Facts(defined, sign, base.convex, False, base.quasiconvex)

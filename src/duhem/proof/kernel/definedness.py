@@ -32,7 +32,7 @@ from fractions import Fraction
 from itertools import product
 from typing import NamedTuple
 
-from duhem.proof.kernel.deviatoric import deviatoric_readers
+from duhem.proof.kernel.deviatoric import deviatoric_readers, sign_in_deviator
 from duhem.proof.kernel.domain import ANY, NEGATIVE, POSITIVE, ZERO, Sign, StatedDomain, gap
 from duhem.proof.kernel.forms import by_forces, place_of
 from duhem.proof.kernel.normal_form import normal
@@ -127,7 +127,7 @@ class Reader(NamedTuple):
                 form = normal(term, self.domain, collects)
                 for told in (self.domain.sign, self.more):
                     known = known if known in _SETTLED else known & told(form)
-        return known
+        return known if known in _SETTLED or self.domain.constant(term) else known & sign_in_deviator(term, self.domain)
 
     def _under(self, condition: Term, holds: bool, term: Term) -> Term | None:
         """What is undecided of a formula that is read where a condition holds, or does not."""

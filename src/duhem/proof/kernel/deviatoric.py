@@ -37,7 +37,9 @@ from duhem.proof.kernel.spectrum import entries_of, extremes
 from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.kernel.term import COMPARISONS, NotWritten, Term, factors, minus, number, product_of, sum_of
 
-__all__ = ["WALLS", "DeviatoricReader", "Invariants", "convex_in_deviator", "deviatoric_readers", "invariants", "of_tensor"]
+__all__ = [
+    "WALLS", "DeviatoricReader", "Invariants", "convex_in_deviator", "deviatoric_readers", "invariants", "of_tensor", "sign_in_deviator",
+]  # fmt: skip
 
 _HIGHEST = 12
 _ALIKE = ("+", "abs", "pos", "neg", "norm", "max", "min", "eigmax")  # of one degree where their parts are
@@ -111,6 +113,17 @@ def convex_in_deviator(term: Term, domain: StatedDomain) -> Facts | None:
             if (known := reader.facts(term)) is not None and known.quasiconvex:
                 return known
     return None
+
+
+def sign_in_deviator(term: Term, domain: StatedDomain) -> Sign:
+    """The signs that a sum may have, its functions of a deviator taken together by their degree."""
+    found: Sign = ANY
+    for reader in deviatoric_readers(term, domain):
+        with suppress(NotWritten):
+            value = reader.value(term)
+            known = reader.facts(term) if value is None else Facts(sign=reader.sign(term) | (ZERO if value.degree > 0 else 0))
+            found &= ANY if known is None else known.sign
+    return found
 
 
 class _Tensor(NamedTuple):

@@ -6,11 +6,15 @@ the signs of the sums to the domain.  False, or NotWritten, means only that this
 What a word makes of parts of degree 0 is of degree 0, unless it chooses between them.
 
 With G_k the part of degree k, d g(r sigma)/dr at r = 1 is the sum of k G_k (Euler), where log y is of degree 0 but adds k, the degree of
-y, times what it is multiplied by.  Where g = 0 it is the sum of (k - m) G_k as well, for every m; one of these sums that is positive
-everywhere shows that g rises outward on its zeros.  So does one that is >= 0, of power, where grad g tends to 0 nowhere on g = 0.  The
-power of a flow that is the gradient of a potential is such a sum too, and so is its limit where gradients meet.  Where all of g is of one
-degree, g keeps its sign along each ray: K is a cone, and sigma . n = 0 for every normal n at sigma, as it is where a choice of formulas
-changes that each ray keeps.
+y, times what it is multiplied by.  Less m g it is S, the sum of (k - m) G_k, which is the same where g = 0.  Where S is >= 0 everywhere,
+for one m, g(r sigma)/r^m does not fall: K holds of each ray what is below its end.  So it is star-shaped about 0, (1 - e) sigma is in it
+with sigma, and sigma . n >= 0 for every normal n and every limit of such.  Where S > 0, or grad g tends to 0 nowhere on g = 0, g
+rises outward on its zeros.  The power of a flow that is the gradient of a potential is such a sum too, and so is its limit where
+gradients meet.  Where all of g is of one degree, g keeps its sign along each ray: K is a cone, and sigma . n = 0 for every normal n at
+sigma, as it is where a choice of formulas changes that each ray keeps.
+
+Of rays on which g has no value, those where something of one degree is 0, nothing is asked: whether K holds them, as it does where g has a
+limit, or ends beside them, with a normal across the ray, it tends there to what is star-shaped.
 
 A flow of the law's own whose power is a constant times g and something >= 0 has power >= 0 wherever g = 0.  Where a tip of g is 0, as at
 the apex of a cone, g has a cone of normals, and the formula of a flow like the gradient of a potential no value; see
@@ -30,7 +34,7 @@ from itertools import pairwise
 from typing import NamedTuple
 
 from duhem.proof.kernel.curvature import over, within_ranges
-from duhem.proof.kernel.definedness import undecided_beside
+from duhem.proof.kernel.definedness import Reader, undecided_beside
 from duhem.proof.kernel.domain import NEGATIVE, POSITIVE, ZERO, Sign, StatedDomain, gap
 from duhem.proof.kernel.forms import affine, by_forces
 from duhem.proof.kernel.gradient import gradient
@@ -51,19 +55,19 @@ _JUMPING = ("where", "atan2")
 _ALIKE = ("abs", "pos", "neg", "norm", "max", "min", "eigmax")
 
 
-def grows_along_rays(g: Term, domain: StatedDomain) -> bool:
-    """Whether d g(r sigma)/dr > 0 at r = 1 wherever g = 0, or >= 0 and grad g != 0; of a choice that no ray changes, each value's."""
+def grows_along_rays(g: Term, domain: StatedDomain, steep: bool) -> bool:
+    """Whether d g(r sigma)/dr >= 0 at r = 1 wherever g = 0, and grad g != 0 if ``steep``; of a choice that no ray changes, each value's."""
     if (kink := choice(g, domain)) is not None and kink.op == "where" and kink.args[0].op in COMPARISONS:
         values = [g.put({kink: value}) for value in kink.args[1:]]
-        return len(by_degree(gap(kink.args[0]), domain)) == 1 and all(grows_along_rays(value, domain) for value in values)
+        return len(by_degree(gap(kink.args[0]), domain)) == 1 and all(grows_along_rays(value, domain, steep) for value in values)
     poly = domain.polynomial(g)
     logs = {x: _degree_of_all(x.args, domain) for m in poly for x, _ in m if x.op == "log" and not domain.constant(x)}
     more = [product_of(logs[x], written({joined(m, ((x, -1),)): c * n})) for m, c in poly.items() for x, n in m if x in logs]
     parts = by_degree(g, domain, logs)
     without = [{k: written_in_order(domain.polynomial(sum_of(k, minus(m)))) for k in parts if k != m} for m in parts]
     sums = [sum_of(*more, *(product_of(c, parts[k]) for k, c in rates.items())) for rates in without]
-    signs = [domain.facts(x).sign & domain.facts(written(domain.without_quotients(domain.polynomial(x)))).sign for x in sums]
-    return POSITIVE in signs or (any(not sign & NEGATIVE for sign in signs) and _is_steep(g, domain))
+    signs = [Reader(domain).sign(x) & domain.facts(written(domain.without_quotients(domain.polynomial(x)))).sign for x in sums]
+    return POSITIVE in signs or (any(not sign & NEGATIVE for sign in signs) and (not steep or _is_steep(g, domain)))
 
 
 def _is_steep(g: Term, domain: StatedDomain) -> bool:
@@ -148,11 +152,17 @@ def _never_negative_where_zero(power: Term, scale: Term, law: StatedLaw) -> bool
 
 
 def by_degree(term: Term, domain: StatedDomain, free: Collection[Term] = ()) -> dict[Term, Term]:
-    """The parts of each degree, a constant, multiplied out; NotWritten where something in it has none, and is not ``free``: of degree 0."""
+    """The parts of each degree, a constant, as they stand in a sum, else multiplied out; NotWritten where something in it has no degree,
+    and is not ``free``: of degree 0.
+    """
     parts: dict[Term, Polynomial] = {}
     for m, c in domain.polynomial(term).items():
         parts.setdefault(written_in_order(domain.polynomial(_rate(m, domain, free))), {})[m] = c
-    return {k: written(part) for k, part in parts.items()}
+    found = {k: written(part) for k, part in parts.items()}
+    for k, part in parts.items():
+        own = sum_of(*(a for a in term.args if domain.polynomial(a).keys() <= part.keys())) if term.op == "+" else term
+        found[k] = own if domain.polynomial(own) == part and not domain.constant(found[k]) else found[k]
+    return found
 
 
 def _rate(m: Monomial, domain: StatedDomain, free: Collection[Term] = ()) -> Term:

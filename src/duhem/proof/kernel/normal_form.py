@@ -25,6 +25,7 @@ from typing import NamedTuple
 from duhem.proof.kernel.constant_value import exact_value
 from duhem.proof.kernel.domain import NEGATIVE, POSITIVE, StatedDomain, gap
 from duhem.proof.kernel.forms import apart, by_forces, inverse, multiple, sum_of_squares
+from duhem.proof.kernel.identity import signs_as_sizes
 from duhem.proof.kernel.polynomial import (
     ONE,
     Monomial,
@@ -335,7 +336,7 @@ class _Form(NamedTuple):
         """What is added up and multiplied, multiplied out and collected; a kink is drawn out of a sum where that leaves less."""
         if not self.collects:
             return self._drawn_out(self._folded(term))
-        return self._drawn_out(self._presented(self._with_sizes(self._reduced(self._poly(term)))))
+        return self._drawn_out(self._presented(self._with_sizes(self._reduced(self._poly(signs_as_sizes(term, self.domain))))))
 
     def _folded(self, term: Term) -> Term:
         """A product with its numbers as one."""

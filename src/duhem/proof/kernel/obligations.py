@@ -133,7 +133,7 @@ def formula_where_loads_allow(law: StatedLaw) -> str:
 
 
 def formula_where_it_has_a_value(law: StatedLaw) -> str:
-    """The same, or g wherever it does not divide by 0: no other point is one of K."""
+    """The same, or g wherever it does not divide by 0: no other point is one of K as it is written, but K may end there."""
     found = law.once(formula_where_loads_allow)
     return "" if found and not law.g.large and Reader(law.once(where_it_has_a_value)).undecided(law.g) is None else found
 

@@ -274,7 +274,7 @@ def _suggested(subject: FormulaSubject, parameters: Values) -> Iterator[SectionC
     from duhem.proof.search.corners import crossings, section_corners  # numpy, only when something is looked for
 
     forces = subject.simple.forces
-    if len(forces) > 2:
+    if len(forces) > 2 or (len(forces) == 2 and subject.pieces is None):  # too many to look at each
         yield from section_corners(subject, parameters)
     elif len(forces) == 2:
         plane = PlaneSection.whole((forces[0], forces[1]))

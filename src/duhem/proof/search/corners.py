@@ -114,11 +114,15 @@ def common_zero(system: sp.Matrix, slopes: sp.Matrix, unknowns: Sequence[sp.Symb
 def section_corners(subject: FormulaSubject, parameters: Values, drawn: bool = True) -> Iterator[SectionCorner]:
     """Corners in planes at a parameter choice, the tips of cones first; found, not certain; while steps are left.
 
-    Unless ``drawn``, in planes across a switch of the formula alone.
+    Unless ``drawn``, in planes across a switch of the formula alone.  Two forces have one plane.
     """
+    forces = subject.simple.forces
     price = _STEPS * sp.count_ops(subject.simple.g)
     kinked = subject.simple.g.has(*KINKS, EigMax)
     tips, planes = _tips(subject, parameters) if drawn else (), _planes(subject, parameters, price, drawn) if kinked else ()
+    if len(forces) == 2:
+        whole = PlaneSection.whole((forces[0], forces[1]))
+        tips, planes = (), ((whole, _turns(subject, parameters, whole)) for _ in range(subject.budget.pays(price)))
     for section, places in chain(tips, planes):
         for place in places:
             if not subject.budget.pays(price):
