@@ -92,7 +92,7 @@ TOLD = [
     (law("-(1 + q/p)**sqrt(2)/(2 + q/p)**(3*sqrt(2)) + p/c", {"c": POSITIVE}, "pq", domain={"p": AT_LEAST_0, "q": AT_LEAST_0}), "origin",
         "1/p", "at zero force", "if you mean 0 there"),
     (law("abs(t) - n*tan(b + d/(1 + n))", {"b": Domain.between("7/20", "3/5"), "d": Domain.between(0, "3/5")}, "nt",
-         domain={"n": AT_LEAST_0}), "convexity", "tan(b + d/(1 + n))", "not shown to have a value", "--set d=0"),
+         domain={"n": AT_LEAST_0}), "convexity", "tan(b + d/(1 + n))", "not shown to have a value", "ask for forces near K alone: n = {"),
     (law("((a + b + c)**3/(a*b*c) - 27)*(a + b + c)**m - h", {"m": Domain.between(0, 1), "h": Domain.between(10, 100)}, "abc",
          domain=dict.fromkeys("abc", AT_LEAST_0)), "convexity", "(a + b + c)**m", "a product of 2 parts", "--set m=0"),
     (law("norm(s, t)/p - 1/(2 + p)", {}, "pst", domain={"p": AT_LEAST_0}), "smoothness", "1/p", "not shown to have a value",
@@ -142,7 +142,9 @@ def changed(criterion: Criterion, action: str) -> Criterion:
         more["written_constraints"] = ()
     if action.startswith("ask for"):
         ranges = {name: dict(re.findall(r"(min|max) = ([^ ,}]+)", ends)) for name, ends in re.findall(r"(\w+) = \{ (.*?) \}", action)}
-        more["domain"] = {**criterion.domain, **{name: Domain.between(ends.get("min"), ends.get("max")) for name, ends in ranges.items()}}
+        own = {name: Domain.between(ends.get("min"), ends.get("max")) for name, ends in ranges.items()}
+        more["domain"] = {**criterion.domain, **{name: x for name, x in own.items() if name not in criterion.parameters}}
+        more["parameters"] = {**criterion.parameters, **{name: x for name, x in own.items() if name in criterion.parameters}}
     if found := re.match(r"write (.*) for (.*)(?:: K (?:stays|is) the same|(?<! in psi), which is the same)", action):
         new, old = (parse(written_out(criterion, text)) for text in found.groups())
         read = without_angles(parse(criterion.written))
@@ -296,7 +298,7 @@ def test_an_effect_that_is_switched_off_is_tried() -> None:
         ),
         "smoothness",
     )
-    assert found.actions == ("--set t=0 (then it is proved)",)
+    assert found.actions == ("--set t=0",)
 
 
 def test_text_and_sheet_say_what_is_open() -> None:
@@ -373,6 +375,13 @@ FOLLOWED = {
     "damage": law("abs(s)/(1 - d) - c", {x: POSITIVE for x in "ckh"} | {"n": Domain.between(1, 4), "u": ANY, "v": ANY, "d": PART}, "sY",
                   flow=("sign(s)/(1 - d)", "(Y/h)**n/(1 - d)"), energy="(1 - d)*k/2*(u - v)**2",
                   variables={"u": Variable("s", observable=True), "v": Variable("s"), "d": Variable("Y", domain=PART)}),
+    "invariants": law("(c*I1(s)**6 + 8*J2(s)**3 + h*J3(s)**2)**(1/6) - y",
+                      {"c": Domain.between(0, "1/20"), "h": Domain.between(-20, 15), "y": POSITIVE}, (), stress=Stress("s", "principal")),
+    "joint": law("abs(t) - n*tan(b + d/(1 + n))", {"b": Domain.between("7/20", "3/5"), "d": Domain.between(0, "3/5")}, "nt",
+                 domain={"n": AT_LEAST_0}),
+    "three forces": law("a**2 + b**2 + c**2 + w*sin(a*b)*c - 1", {"w": Domain.between(0, "1/2")}, "abc"),
+    "fitted": law("a**4 + b**4 + h*a**3*b + m*a*b + a - 1", {"h": Domain.between(-1, 1), "m": Domain.between("-1/4", "1/4")}),
+    "soil": law("t**2 + c*s**n - m*s**2", {"c": POSITIVE, "m": POSITIVE, "n": Domain.between("5/2", 5)}, "st", domain={"s": AT_LEAST_0}),
 }  # fmt: skip
 
 

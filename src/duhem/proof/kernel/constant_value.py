@@ -278,8 +278,8 @@ def _series(x: Enclosure, shares: Sequence[Enclosure]) -> Enclosure:
     return Enclosure(low - 1, high + 1)
 
 
-_OF_EXP, _OF_COS, _OF_SIN = (_shares(lambda n, k=k, m=m: factorial(k * n + m)) for k, m in ((1, 0), (2, 0), (2, 1)))
-_OF_ATANH = _shares(lambda n: 2 * n + 1)
+_OF_EXP, _OF_ATANH = _shares(factorial), _shares(lambda n: 2 * n + 1)
+_OF_COS, _OF_SIN = _shares(lambda n: factorial(2 * n)), _shares(lambda n: factorial(2 * n + 1))
 
 
 def _power(x: Enclosure, p: Enclosure) -> Enclosure:
