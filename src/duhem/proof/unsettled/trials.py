@@ -11,7 +11,7 @@ from contextlib import suppress
 from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import partial
-from itertools import product, takewhile
+from itertools import islice, product, takewhile
 from typing import Any, NamedTuple
 
 from duhem.proof.decide import Budget
@@ -90,33 +90,28 @@ def that_help(
     again = [told for told, changed in helped if asked(changed)]
     if again := again or [told for told, changed in helped if claim != "duality" and asked.decided(changed) is Verdict.PROVED]:
         return [*again, *refuted]
-    found = list[str]()
-
-    def by_evidence(changed: Text) -> bool:  # the power may be a share of g and a rest
-        return claim == "dissipation" and not found and asked.decided(changed) is Verdict.PROVED
-
-    for kind, way in ((_signs, asked), (_ranges, asked), (_ranges, by_evidence)):
-        asked.steps = _A_KIND
-        if blocked is not None and (best := next((each for each in kind(law, blocked, choices) if way(each[1])), None)) is not None:
-            found.append(asked.keep(*best))
-    found = found or _with_least_lost(law, ((form.told, _changed(law, form, {})) for form in forms()), asked)
     part = frozenset[str]() if blocked is None else blocked.part.names().union(*(c.names() for c in blocked.signs))
-    if found or refuted:
-        return [*found, *refuted]
-    known, asked.steps = [*choices(_choices(law))], _A_KIND
-    # where g has no value at a tip, it is no parameter that is to blame; a closed form takes long to look for
-    narrow = known and not any(form.at_tip for form in forms()) and claim != "duality" and any(asked(_with(law, x)) for x in known[:2])
-    if found := _narrowed(law, sorted(known[0]), known, {}, asked) if narrow else []:
-        return found
-    fixed = partial(_fixed, law, forms(), part, known, choices, asked)
-    if found := fixed(asked.by_rules, False):
-        return found
-    beside = _beside_tips(law, part, forms()) if claim == "smoothness" else ()
-    for others in (beside, _one_sided(law)):
+
+    def either(changed: Text) -> bool:  # the power may be a share of g and a rest, which is evidence
+        return asked(changed) or (claim == "dissipation" and not found and asked.decided(changed) is Verdict.PROVED)
+
+    def first_of(kind: Iterable[tuple[str, Text]], way: Callable[[Text], bool] = asked) -> list[str]:
         asked.steps = _A_KIND  # for each kind anew
-        if (best := next((each for each in others if asked(each[1])), None)) is not None:
-            return [asked.keep(*best) if others is not beside else best[0]]
-    if found := fixed(asked.decided, False):
+        return [asked.keep(*best) for best in islice((each for each in kind if way(each[1])), 1)]
+
+    found = first_of(_signs(law, blocked, choices)) if blocked else []
+    found += first_of(_ranges(law, blocked), either) if blocked else []
+    if found := [*(found or _with_least_lost(law, ((form.told, _changed(law, form, {})) for form in forms()), asked)), *refuted]:
+        return found
+    # where g has no value at a tip, it is no parameter that is to blame; a closed form takes long to look for
+    known, asked.steps = [*choices(_choices(law))], _A_KIND
+    narrow = known and not any(form.at_tip for form in forms()) and claim != "duality" and any(asked(_with(law, x)) for x in known[:2])
+    fixed = partial(_fixed, law, forms(), part, known, choices, asked)
+    if found := (narrow and _narrowed(law, sorted(known[0]), known, {}, asked)) or fixed(asked.by_rules, False):
+        return found
+    asked.steps = _A_KIND
+    beside = (told for told, changed in _beside_tips(law, part, forms()) if asked(changed)) if claim == "smoothness" else ()
+    if found := [*islice(beside, 1)] or first_of(_one_sided(law)) or fixed(asked.decided, False):
         return found
     boxed, wide = _boxed(law, known[:_MOST_BOXED] or ({},), ranges, asked)
     return boxed if wide else fixed(asked.by_rules, True) or fixed(asked.decided, True) or boxed  # an effect that is gone says least
@@ -224,7 +219,7 @@ def _compared(constant: Term, strict: bool) -> str:
     return f"{' + '.join(less) or 0} {'<' if strict else '<='} {' + '.join(more) or 0}"
 
 
-def _ranges(law: Text, blocked: Blocked, _: Choices) -> Iterator[tuple[str, Text]]:
+def _ranges(law: Text, blocked: Blocked) -> Iterator[tuple[str, Text]]:
     """Yield ranges of one sign for forces of the part, unless it is a sum, or 0 at a tip."""
     ranges, part = law.get("domain", {}), blocked.part
     if len(law["forces"]) > _MOST_FORCES or part.op in ("+", "norm") or not isinstance(read := stated(law), StatedLaw):
