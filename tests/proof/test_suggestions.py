@@ -400,7 +400,7 @@ def inside(side: Any, low: float, high: float) -> bool:
 )  # fmt: skip
 def test_ranges_are_widened_and_parameters_freed_as_far_as_the_claim_is_shown(shown: Any, ranges: Any, more: str, wide: bool) -> None:
     asked: Any = Answers("convexity", lambda changed_law: shown(changed_law["domain"], changed_law["parameters"]))
-    (told,), half = trials._boxed(PLANE, [KNOWN], lambda _: BOXES, asked)
+    ((told, _),), half = trials._boxed(PLANE, [KNOWN], lambda _: BOXES, asked)
     near = " and ".join(f"{x} = {{ min = {low}, max = {high} }}" for x, (low, high) in ranges.items())
     assert told == f"ask for forces near K alone: {near} in the section [domain]{more}" and half is wide
 

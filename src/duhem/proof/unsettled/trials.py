@@ -32,6 +32,7 @@ __all__ = ["Attempts", "Rewriting", "settings", "that_help"]
 Text = Mapping[str, Any]  # a law as the kernel reads it
 Choice = Mapping[str, Fraction]
 Choices = Callable[[Iterable[Choice]], Iterable[Choice]]  # those of some at which K is not empty, and more
+RangesAt = Callable[[Choice], Iterable[Text]]  # of the forces, around the boundary at some values of the parameters, the widest first
 Decide = Callable[[str, Text, Budget], Verdict | None]  # the verdict on a claim of a changed law; None where it is open
 _IN_ALL, _SHARE = 9_000_000, 3  # steps for all claims of a law; one claim may use 1/_SHARE of what is left
 _A_TRIAL, _A_KIND, _IN_A_BOX, _A_DECISION, _READING = 200_000, 400_000, 300_000, 250_000, 5_000  # steps; for reading a law
@@ -76,13 +77,12 @@ class Attempts:
 def that_help(
     claim: str, law: Text, settled: frozenset[str], blocked: Blocked | None, choices: Choices,
     forms: Callable[[], Sequence[Rewriting]] = tuple, decide: Decide | None = None, first: Sequence[Choice] = (),
-    tried: Attempts | None = None, ranges: Callable[[Choice], Iterable[Text]] = lambda _: (),
+    tried: Attempts | None = None, ranges: RangesAt = lambda _: (),
 ) -> list[str]:  # fmt: skip
     """What to do, so that the claim is settled: one action a kind, each seen to help.
 
     ``choices`` gives values of the free parameters at which it is tried, and of plain ones those at which K is not empty, for of an
     empty K much is proved.  ``forms`` are other forms of g with the same K.  At the values that are tried ``first`` the claim may fail.
-    ``ranges`` gives ranges of the forces around the boundary that is found at some values, the widest first.
     """
     asked = _Asked(claim, law, settled, decide, tried or Attempts())
     refuted = [_refuted("", choice) for choice in first if asked.decided(_with(law, choice)) is Verdict.REFUTED]
@@ -109,12 +109,14 @@ def that_help(
     fixed = partial(_fixed, law, forms(), part, known, choices, asked)
     if found := (narrow and _narrowed(law, sorted(known[0]), known, {}, asked)) or fixed(asked.by_rules, False):
         return found
-    asked.steps = _A_KIND
+    asked.steps, asked.kept = _A_KIND, asked.kept + _A_KIND // 2
     beside = (told for told, changed in _beside_tips(law, part, forms()) if asked(changed)) if claim == "smoothness" else ()
     if found := [*islice(beside, 1)] or first_of(_one_sided(law)) or fixed(asked.decided, False):
         return found
     boxed, wide = _boxed(law, known[:_MOST_BOXED] or ({},), ranges, asked)
-    return boxed if wide else fixed(asked.by_rules, True) or fixed(asked.decided, True) or boxed  # an effect that is gone says least
+    asked.kept -= _A_KIND // 2
+    gone = [] if wide else fixed(asked.by_rules, True) or fixed(asked.decided, True)  # which says least, but for a small part of K
+    return gone or [asked.keep(*each) for each in boxed]
 
 
 class _Asked:
@@ -239,10 +241,9 @@ def _one_sided(law: Text) -> Iterator[tuple[str, Text]]:
 
 def _of_one_sign(law: Text, ends: Mapping[str, str]) -> tuple[str, Text]:
     """The law for forces of one sign alone, whose ranges have these ends at 0, and what to do."""
-    told = " and ".join(f"{x} {_SIDES[end]} 0" for x, end in ends.items())
-    written = " and ".join(f"{x} = {{ {end} = 0 }}" for x, end in ends.items())
-    ranges = {**law.get("domain", {}), **{x: {end: "0"} for x, end in ends.items()}}
-    return f"ask for {told} alone: {written} in the section [domain]", {**law, "domain": ranges}
+    told, own = " and ".join(f"{x} {_SIDES[end]} 0" for x, end in ends.items()), {x: {end: "0"} for x, end in ends.items()}
+    changed = {**law, "domain": {**law.get("domain", {}), **own}}
+    return f"ask for {told} alone: {_entries(own)} in the section [domain]", changed
 
 
 def _moved(law: Text, part: frozenset[str]) -> Iterator[tuple[str, Text]]:
@@ -302,7 +303,7 @@ def _values(law: Text, part: frozenset[str], known: Sequence[Choice]) -> Iterato
     yield from known[1:_MOST_FIXED]
 
 
-def _boxed(law: Text, known: Sequence[Choice], ranges: Callable[[Choice], Iterable[Text]], asked: _Asked) -> tuple[list[str], bool]:
+def _boxed(law: Text, known: Sequence[Choice], ranges: RangesAt, asked: _Asked) -> tuple[list[tuple[str, Text]], bool]:
     """Ranges of the forces in which enclosures show the claim, and of the parameters, and whether these forces are half of K or more.
 
     The narrowest are asked first, as these cost least.  As far as the claim is shown, each parameter may then have any value, each force
@@ -320,13 +321,12 @@ def _boxed(law: Text, known: Sequence[Choice], ranges: Callable[[Choice], Iterab
         for section, name, entries in wider:
             if section == "domain" or "value" in boxed[section][name]:  # it is not free yet
                 boxed = next(filter(shown, ({**boxed, section: {**boxed[section], name: entry}} for entry in entries)), boxed)
-        box, changed = boxed["domain"], {x: boxed["parameters"][x] for x in values if boxed["parameters"][x] != law["parameters"][x]}
+        box, narrower = boxed["domain"], {x: own for x in values if (own := boxed["parameters"][x]) != law["parameters"][x]}
+        fixed = {x: narrower.pop(x)["value"] for x in values if "value" in narrower.get(x, ())}
         near = f"ask for forces near K alone: {_entries(box)} in the section [domain]"
-        narrower = {x: domain for x, domain in changed.items() if "value" not in domain}
-        fixed = settings({x: domain["value"] for x, domain in changed.items() if x not in narrower})
-        told = (near, f"{_entries(narrower)} in the section [parameters]" if narrower else "", fixed)
+        told = (near, f"{_entries(narrower)} in the section [parameters]" if narrower else "", settings(fixed))
         wide = all(2 * _length(box[x]) >= _length(boxes[0][x]) for x in law["forces"])
-        return [asked.keep(" and ".join(filter(None, told)), boxed)], wide
+        return [(" and ".join(filter(None, told)), boxed)], wide
     return [], False
 
 
