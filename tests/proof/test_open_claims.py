@@ -25,8 +25,10 @@ from duhem.law.state import Variable
 from duhem.proof.certificate import law_as_text
 from duhem.proof.facts.formula_subject import FormulaSubject, admitted_values
 from duhem.proof.kernel.claims import objection
+from duhem.proof.kernel.region import where_loads_allow
 from duhem.proof.kernel.stated_law import StatedLaw, without_angles
-from duhem.proof.kernel.term import parse
+from duhem.proof.kernel.steps import TooDearError
+from duhem.proof.kernel.term import NotWritten, parse
 from duhem.proof.unsettled import open_claims, trials
 from duhem.proof.unsettled.blocked import blocked
 from duhem.proof.unsettled.term_text import in_text, names_of
@@ -290,15 +292,37 @@ def test_a_part_is_quoted_as_the_law_has_it_where_values_are_put_in() -> None:
     assert [in_text(parse(x), names) for x in ("2*a", "b*(1 + 2)")] == ["2*a", "b*(1 + k)"]
 
 
-def test_an_effect_that_is_switched_off_is_tried() -> None:
-    found = opened(
-        law(
-            "norm(a, b) - k*(1 + exp(-(1 + t*a/norm(a, b))*k/s))*tan(f)",
-            {"k": POSITIVE, "s": POSITIVE, "t": Domain.between(0, "1/2"), "f": Domain.between("2/5", "4/5")},
-        ),
-        "smoothness",
-    )
-    assert found.actions == ("--set t=0",)
+@pytest.mark.long
+def test_large_ranges_are_told_before_an_effect_that_is_switched_off() -> None:
+    """With t = 0 smoothness is proved as well."""
+    wear = law("norm(a, b) - k*(1 + exp(-(1 + t*a/norm(a, b))*k/s))*tan(f)",
+               {"k": POSITIVE, "s": POSITIVE, "t": Domain.between(0, "1/2"), "f": Domain.between("2/5", "4/5")})  # fmt: skip
+    (told,) = opened(wear, "smoothness").actions
+    assert told.startswith("ask for forces near K alone") and not re.search(r"--set \w+=0\b", told)
+    assert verify(wear.fix({"t": 0}), claims=["smoothness"])["smoothness"].verdict is Verdict.PROVED
+    assert not objection("smoothness", "slope-in-a-box", frozenset(), StatedLaw.read(law_as_text(changed(wear, told))), {})
+
+
+def test_a_part_is_named_where_a_product_has_too_many_terms_and_the_whole_formula_where_no_part_is_known(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    side = "(sqrt(2*J2(s))*(1 + e*(1 + cos3theta(s))/2))"
+    g = "((1 - k)*(I1(s)/3 + R/sqrt(6))**2 + sqrt(3/2)*R)**2 + k**2*m*(I1(s)/3 + R/sqrt(6)) - k**2*c".replace("R", side)
+    large = law(g, {x: POSITIVE for x in "kmce"}, (), stress=Stress("s", "principal"))
+    read = StatedLaw.read(law_as_text(large))
+    with pytest.raises(NotWritten, match="too many terms"):
+        where_loads_allow(read)
+    found = [blocked(claim, read) for claim in ("convexity", "normality", "dissipation")]
+    assert all(one is not None and in_text(one.part, names_of(large)).startswith("1/J2(s)**(3/2)") for one in found)
+    subject, settled = FormulaSubject(TOLD[-1][0]), {"convexity": Evidence(Verdict.TESTED, "none", "")}
+    subject.allow(1)
+
+    def dear(*_: object) -> None:
+        raise TooDearError
+
+    monkeypatch.setattr(open_claims, "blocked", dear)
+    told = open_claims.OpenClaims(TOLD[-1][0]).unsettled("convexity", subject, settled)
+    assert told is not None and told.part == TOLD[-1][0].written and "whole formula" in (told.why or "")
 
 
 def test_text_and_sheet_say_what_is_open() -> None:
