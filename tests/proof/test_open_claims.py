@@ -144,9 +144,9 @@ def changed(criterion: Criterion, action: str) -> Criterion:
         more["written_constraints"] = ()
     if action.startswith("ask for"):
         ranges = {name: dict(re.findall(r"(min|max) = ([^ ,}]+)", ends)) for name, ends in re.findall(r"(\w+) = \{ (.*?) \}", action)}
-        own = {name: Domain.between(ends.get("min"), ends.get("max")) for name, ends in ranges.items()}
-        more["domain"] = {**criterion.domain, **{name: x for name, x in own.items() if name not in criterion.parameters}}
-        more["parameters"] = {**criterion.parameters, **{name: x for name, x in own.items() if name in criterion.parameters}}
+        sides = {name: Domain.between(ends.get("min"), ends.get("max")) for name, ends in ranges.items()}
+        more["domain"] = {**criterion.domain, **{name: x for name, x in sides.items() if name not in criterion.parameters}}
+        more["parameters"] = {**criterion.parameters, **{name: x for name, x in sides.items() if name in criterion.parameters}}
     if found := re.match(r"write (.*) for (.*)(?:: K (?:stays|is) the same|(?<! in psi), which is the same)", action):
         new, old = (parse(written_out(criterion, text)) for text in found.groups())
         read = without_angles(parse(criterion.written))
