@@ -25,8 +25,10 @@ from duhem.law.state import Variable
 from duhem.proof.certificate import law_as_text
 from duhem.proof.facts.formula_subject import FormulaSubject, admitted_values
 from duhem.proof.kernel.claims import objection
+from duhem.proof.kernel.region import where_loads_allow
 from duhem.proof.kernel.stated_law import StatedLaw, without_angles
-from duhem.proof.kernel.term import parse
+from duhem.proof.kernel.steps import TooDearError
+from duhem.proof.kernel.term import NotWritten, parse
 from duhem.proof.unsettled import open_claims, trials
 from duhem.proof.unsettled.blocked import blocked
 from duhem.proof.unsettled.term_text import in_text, names_of
@@ -92,7 +94,7 @@ TOLD = [
     (law("-(1 + q/p)**sqrt(2)/(2 + q/p)**(3*sqrt(2)) + p/c", {"c": POSITIVE}, "pq", domain={"p": AT_LEAST_0, "q": AT_LEAST_0}), "origin",
         "1/p", "at zero force", "if you mean 0 there"),
     (law("abs(t) - n*tan(b + d/(1 + n))", {"b": Domain.between("7/20", "3/5"), "d": Domain.between(0, "3/5")}, "nt",
-         domain={"n": AT_LEAST_0}), "convexity", "tan(b + d/(1 + n))", "not shown to have a value", "--set d=0"),
+         domain={"n": AT_LEAST_0}), "convexity", "tan(b + d/(1 + n))", "not shown to have a value", "ask for forces near K alone: n = {"),
     (law("((a + b + c)**3/(a*b*c) - 27)*(a + b + c)**m - h", {"m": Domain.between(0, 1), "h": Domain.between(10, 100)}, "abc",
          domain=dict.fromkeys("abc", AT_LEAST_0)), "convexity", "(a + b + c)**m", "a product of 2 parts", "--set m=0"),
     (law("norm(s, t)/p - 1/(2 + p)", {}, "pst", domain={"p": AT_LEAST_0}), "smoothness", "1/p", "not shown to have a value",
@@ -142,7 +144,9 @@ def changed(criterion: Criterion, action: str) -> Criterion:
         more["written_constraints"] = ()
     if action.startswith("ask for"):
         ranges = {name: dict(re.findall(r"(min|max) = ([^ ,}]+)", ends)) for name, ends in re.findall(r"(\w+) = \{ (.*?) \}", action)}
-        more["domain"] = {**criterion.domain, **{name: Domain.between(ends.get("min"), ends.get("max")) for name, ends in ranges.items()}}
+        sides = {name: Domain.between(ends.get("min"), ends.get("max")) for name, ends in ranges.items()}
+        more["domain"] = {**criterion.domain, **{name: x for name, x in sides.items() if name not in criterion.parameters}}
+        more["parameters"] = {**criterion.parameters, **{name: x for name, x in sides.items() if name in criterion.parameters}}
     if found := re.match(r"write (.*) for (.*)(?:: K (?:stays|is) the same|(?<! in psi), which is the same)", action):
         new, old = (parse(written_out(criterion, text)) for text in found.groups())
         read = without_angles(parse(criterion.written))
@@ -288,15 +292,37 @@ def test_a_part_is_quoted_as_the_law_has_it_where_values_are_put_in() -> None:
     assert [in_text(parse(x), names) for x in ("2*a", "b*(1 + 2)")] == ["2*a", "b*(1 + k)"]
 
 
-def test_an_effect_that_is_switched_off_is_tried() -> None:
-    found = opened(
-        law(
-            "norm(a, b) - k*(1 + exp(-(1 + t*a/norm(a, b))*k/s))*tan(f)",
-            {"k": POSITIVE, "s": POSITIVE, "t": Domain.between(0, "1/2"), "f": Domain.between("2/5", "4/5")},
-        ),
-        "smoothness",
-    )
-    assert found.actions == ("--set t=0 (then it is proved)",)
+@pytest.mark.long
+def test_large_ranges_are_told_before_an_effect_that_is_switched_off() -> None:
+    """With t = 0 smoothness is proved as well."""
+    wear = law("norm(a, b) - k*(1 + exp(-(1 + t*a/norm(a, b))*k/s))*tan(f)",
+               {"k": POSITIVE, "s": POSITIVE, "t": Domain.between(0, "1/2"), "f": Domain.between("2/5", "4/5")})  # fmt: skip
+    (told,) = opened(wear, "smoothness").actions
+    assert told.startswith("ask for forces near K alone") and not re.search(r"--set \w+=0\b", told)
+    assert verify(wear.fix({"t": 0}), claims=["smoothness"])["smoothness"].verdict is Verdict.PROVED
+    assert not objection("smoothness", "slope-in-a-box", frozenset(), StatedLaw.read(law_as_text(changed(wear, told))), {})
+
+
+def test_a_part_is_named_where_a_product_has_too_many_terms_and_the_whole_formula_where_no_part_is_known(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    side = "(sqrt(2*J2(s))*(1 + e*(1 + cos3theta(s))/2))"
+    g = "((1 - k)*(I1(s)/3 + R/sqrt(6))**2 + sqrt(3/2)*R)**2 + k**2*m*(I1(s)/3 + R/sqrt(6)) - k**2*c".replace("R", side)
+    large = law(g, {x: POSITIVE for x in "kmce"}, (), stress=Stress("s", "principal"))
+    read = StatedLaw.read(law_as_text(large))
+    with pytest.raises(NotWritten, match="too many terms"):
+        where_loads_allow(read)
+    found = [blocked(claim, read) for claim in ("convexity", "normality", "dissipation")]
+    assert all(one is not None and in_text(one.part, names_of(large)).startswith("1/J2(s)**(3/2)") for one in found)
+    subject, settled = FormulaSubject(TOLD[-1][0]), {"convexity": Evidence(Verdict.TESTED, "none", "")}
+    subject.allow(1)
+
+    def dear(*_: object) -> None:
+        raise TooDearError
+
+    monkeypatch.setattr(open_claims, "blocked", dear)
+    told = open_claims.OpenClaims(TOLD[-1][0]).unsettled("convexity", subject, settled)
+    assert told is not None and told.part == TOLD[-1][0].written and "whole formula" in (told.why or "")
 
 
 def test_text_and_sheet_say_what_is_open() -> None:
@@ -373,6 +399,13 @@ FOLLOWED = {
     "damage": law("abs(s)/(1 - d) - c", {x: POSITIVE for x in "ckh"} | {"n": Domain.between(1, 4), "u": ANY, "v": ANY, "d": PART}, "sY",
                   flow=("sign(s)/(1 - d)", "(Y/h)**n/(1 - d)"), energy="(1 - d)*k/2*(u - v)**2",
                   variables={"u": Variable("s", observable=True), "v": Variable("s"), "d": Variable("Y", domain=PART)}),
+    "invariants": law("(c*I1(s)**6 + 8*J2(s)**3 + h*J3(s)**2)**(1/6) - y",
+                      {"c": Domain.between(0, "1/20"), "h": Domain.between(-20, 15), "y": POSITIVE}, (), stress=Stress("s", "principal")),
+    "joint": law("abs(t) - n*tan(b + d/(1 + n))", {"b": Domain.between("7/20", "3/5"), "d": Domain.between(0, "3/5")}, "nt",
+                 domain={"n": AT_LEAST_0}),
+    "three forces": law("a**2 + b**2 + c**2 + w*sin(a*b)*c - 1", {"w": Domain.between(0, "1/2")}, "abc"),
+    "fitted": law("a**4 + b**4 + h*a**3*b + m*a*b + a - 1", {"h": Domain.between(-1, 1), "m": Domain.between("-1/4", "1/4")}),
+    "soil": law("t**2 + c*s**n - m*s**2", {"c": POSITIVE, "m": POSITIVE, "n": Domain.between("5/2", 5)}, "st", domain={"s": AT_LEAST_0}),
 }  # fmt: skip
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+from collections.abc import Callable
 from dataclasses import replace
 from fractions import Fraction
 from random import Random
@@ -24,7 +25,7 @@ from duhem.proof.kernel.term import parse
 from duhem.proof.unsettled import trials
 from duhem.proof.unsettled.forms import equal_forms, other_forms
 from duhem.proof.unsettled.limits import keeps_k, same_points, with_values
-from duhem.proof.unsettled.ranges import around_the_boundary
+from duhem.proof.unsettled.ranges import around_the_boundary, between
 from duhem.proof.unsettled.term_text import in_text
 from duhem.proof.unsettled.trials import Rewriting
 from tests.long import long_at
@@ -325,3 +326,90 @@ def test_no_power_of_a_number_that_is_not_positive_is_told_as_a_constraint() -> 
         "norm(f, m/(c*n**k)) - n", {"c": Domain.between("1/10", 2), "k": Domain.between(0, "1/3")}, "nfm", domain={"n": AT_LEAST_0}
     )
     assert not any("0**" in told for told in opened(finger, "origin").actions)
+
+
+class Answers:
+    """In place of the kernel and of what decides: each says of a changed law what a test says, and counts nothing."""
+
+    def __init__(self, claim: str, by_rules: Callable[[Any], bool], decided: Callable[[Any], bool] = lambda _: False) -> None:
+        self.claim, self.rules, self.decides, self.steps, self.tried, self.kept = claim, by_rules, decided, 0, trials.Attempts(), 0
+
+    def __call__(self, changed_law: Any, **_: Any) -> bool:
+        return self.rules(changed_law)
+
+    def by_rules(self, changed_law: Any) -> Verdict | None:
+        return Verdict.PROVED if self.rules(changed_law) else None
+
+    def decided(self, changed_law: Any) -> Verdict | None:
+        return Verdict.PROVED if self.rules(changed_law) or self.decides(changed_law) else None
+
+    def keep(self, told: str, _: Any) -> str:
+        return told
+
+
+def values_of(changed_law: Any) -> dict[str, Fraction]:
+    return {name: Fraction(own["value"]) for name, own in changed_law["parameters"].items() if "value" in own}
+
+
+PLANE = law_as_text(
+    law("k*a**2 + m*b**2 + e*a - 1", {"k": Domain.between("1/5", 1), "m": Domain.between(0, 8), "e": Domain.between(-1, 1)})
+)
+KNOWN = {"k": Fraction(3, 5), "m": Fraction(4), "e": Fraction(1, 2)}
+
+
+@pytest.mark.parametrize("known_by", ["rules", "everything"])
+@pytest.mark.parametrize(
+    ("settles", "off", "told"),
+    [
+        (lambda at: at.get("k") == 1, False, "--set k=1"),  # an end of its range
+        (lambda at: at.get("e") == -1 and "m" in at, False, "--set m=4 --set e=-1"),
+        (lambda at: at.get("m") == 4, False, "--set m=4"),
+        (lambda at: at.get("m") == 0 or at.get("k") == Fraction(1, 5), False, "--set k=1/5"),  # before an effect that is gone
+        (lambda at: at.get("m") == 0, True, "--set m=0"),
+        (lambda at: at.get("m") == 0 == at.get("e"), True, "--set m=0 --set e=0"),
+        (lambda at: at.get("m") == 0, False, None),
+    ],
+)
+def test_the_fewest_values_are_told_and_ends_of_ranges_are_tried(settles: Any, off: bool, told: str | None, known_by: str) -> None:
+    """Whatever shows the claim: no value that is not needed, and none that is 0 but where that is asked."""
+    shown = [lambda changed_law: settles(values_of(changed_law)), lambda _: False]
+    asked: Any = Answers("origin", *(shown if known_by == "rules" else reversed(shown)))
+    way = asked.by_rules if known_by == "rules" else asked.decided
+    found = trials._fixed(PLANE, (), frozenset("k"), [KNOWN], lambda plain: plain, asked, way, off)
+    assert found == ([] if told is None else [told])
+
+
+BOXES = [{x: {"min": low, "max": high} for x in "ab"} for low, high in (("-4", "4"), ("-1", "1"), ("0.1", "0.5"), ("0.2", "0.3"))]
+
+
+def inside(side: Any, low: float, high: float) -> bool:
+    return low <= Fraction(side["min"]) and Fraction(side["max"]) <= high
+
+
+@pytest.mark.parametrize(
+    ("shown", "ranges", "more", "wide"),
+    [
+        (lambda box, own: inside(box["a"], -1, 4), {"a": ("-1", "4"), "b": ("-4", "4")}, "", True),  # one end, and both of the other
+        (lambda box, own: inside(box["a"], -1, 1), {"a": ("-1", "1"), "b": ("-4", "4")}, "", False),
+        (lambda box, own: inside(box["a"], -3, 3), {"a": ("-2.5", "2.5"), "b": ("-4", "4")}, "", True),  # halfway
+        (lambda box, own: own["e"] == {"value": "1/2"}, {"a": ("-4", "4"), "b": ("-4", "4")}, " and --set e=1/2", True),
+        (lambda box, own: "value" in own["e"] or inside(own["e"], 0, 1), {"a": ("-4", "4"), "b": ("-4", "4")},
+         ' and e = { min = "1/4", max = "3/4" } in the section [parameters]', True),
+        (lambda box, own: "value" in own["m"] and inside(box["b"], 0, 1), {"a": ("-4", "4"), "b": ("0.1", "0.5")}, " and --set m=4", False),
+    ],
+)  # fmt: skip
+def test_ranges_are_widened_and_parameters_freed_as_far_as_the_claim_is_shown(shown: Any, ranges: Any, more: str, wide: bool) -> None:
+    asked: Any = Answers("convexity", lambda changed_law: shown(changed_law["domain"], changed_law["parameters"]))
+    ((told, _),), half = trials._boxed(PLANE, [KNOWN], lambda _: BOXES, asked)
+    near = " and ".join(f"{x} = {{ min = {low}, max = {high} }}" for x, (low, high) in ranges.items())
+    assert told == f"ask for forces near K alone: {near} in the section [domain]{more}" and half is wide
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_ranges_between_two_hold_the_narrow_one_and_lie_in_what_holds_both(seed: int) -> None:
+    draw = Random(seed)
+    ends = [sorted(Fraction(draw.randint(-999, 999), 10 ** draw.randint(0, 3)) for _ in range(2)) for _ in range(2)]
+    narrow, wide = ({"min": str(float(low)), "max": str(float(high))} for low, high in ends)
+    for side in between(narrow, wide):
+        assert inside(narrow, *map(Fraction, side.values())) and inside(side, min(map(min, ends)), max(map(max, ends)))  # type: ignore[arg-type]
+    assert not between(narrow, narrow)

@@ -97,7 +97,7 @@ def local_pieces(
         if (pieces := thick(_in_plane(sp.Tuple(*parts), {**place}), _MOST_PIECES)) is None:
             return ()
         for piece in pieces:
-            (expr, *gradient), switches, needs = _cancelled(piece.expr)
+            (expr, *gradient), switches, needs = _cancelled(piece.expr, {})
             signs = [(_plain(e), sign) for e, sign in (*zip(switches, whole.signs.values(), strict=True), *piece.signs.items())]
             if (left := _open(signs, box)) is None:
                 continue
@@ -153,14 +153,14 @@ def _in_plane(expr: sp.Basic, known: dict[sp.Basic, sp.Basic]) -> sp.Basic:
     return known[expr]
 
 
-def _cancelled(expr: sp.Basic) -> sp.Basic:
-    """The formula with common factors taken out of what divides, so that they cancel."""
-    if not expr.args:
-        return expr
-    args = [_cancelled(a) for a in expr.args]
-    if expr.is_Pow and expr.exp.is_negative and args[0].is_Add:
-        args[0] = sp.factor_terms(args[0])
-    return expr.func(*args)
+def _cancelled(expr: sp.Basic, known: dict[sp.Basic, sp.Basic]) -> sp.Basic:
+    """The formula with common factors taken out of what divides, so that they cancel; ``known`` holds the parts that are done."""
+    if expr not in known:
+        args = [_cancelled(a, known) for a in expr.args]
+        if expr.is_Pow and expr.exp.is_negative and args[0].is_Add:
+            args[0] = sp.factor_terms(args[0])
+        known[expr] = expr.func(*args) if args else expr
+    return known[expr]
 
 
 def _plain(expr: sp.Expr) -> sp.Expr:

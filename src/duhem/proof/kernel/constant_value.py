@@ -21,7 +21,7 @@ from contextlib import suppress
 from fractions import Fraction
 from functools import reduce
 from itertools import permutations
-from math import isqrt, lcm, prod
+from math import factorial, isqrt, lcm, prod
 from typing import ClassVar, NamedTuple
 
 from duhem.proof.kernel.bounds import ANY, NEGATIVE, POSITIVE, ZERO, Bounds, Sign
@@ -264,19 +264,22 @@ def _over(x: Enclosure, n: int) -> Enclosure:
     return Enclosure(x.low // n, -(-x.high // n))
 
 
-def _series(x: Enclosure, divisors: Callable[[int], int]) -> Enclosure:
-    """1 + x/d_1 (1 + x/d_2 (1 + ...)); the terms left out are together less than one unit."""
-    total = reduce(lambda found, i: _shifted(_over(found.times(x), divisors(i)), 1), range(_TERMS, 0, -1), Enclosure(_ONE, _ONE))
-    return Enclosure(total.low - 1, total.high + 1)
+def _shares(divisor: Callable[[int], int]) -> tuple[Enclosure, ...]:
+    """1/d_n for n = _TERMS, ..., 1, 0."""
+    return tuple(Enclosure.between(share := Fraction(1, divisor(n)), share) for n in range(_TERMS, -1, -1))
 
 
-_ODD_SHARES = tuple(Enclosure.between(share := Fraction(1, 2 * i + 1), share) for i in range(_TERMS, -1, -1))
+def _series(x: Enclosure, shares: Sequence[Enclosure]) -> Enclosure:
+    """c_0 + x (c_1 + x (c_2 + ...)) with the last of the ``shares`` c first; the terms left out are together less than one unit."""
+    low = high = 0
+    for share in shares:
+        ends = (low * x.low, low * x.high, high * x.low, high * x.high)
+        low, high = share.low + (min(ends) >> BITS), share.high - (-max(ends) >> BITS)
+    return Enclosure(low - 1, high + 1)
 
 
-def _odd_series(x: Enclosure, square: Enclosure) -> Enclosure:
-    """x (1 + q/3 + q^2/5 + ...) with q the ``square``, at most 1/9 in size."""
-    total = reduce(lambda found, share: share.plus(found.times(square)), _ODD_SHARES, _NOTHING)
-    return Enclosure(total.low - 1, total.high + 1).times(x)
+_OF_EXP, _OF_ATANH = _shares(factorial), _shares(lambda n: 2 * n + 1)
+_OF_COS, _OF_SIN = _shares(lambda n: factorial(2 * n)), _shares(lambda n: factorial(2 * n + 1))
 
 
 def _power(x: Enclosure, p: Enclosure) -> Enclosure:
@@ -305,7 +308,7 @@ def _halved(x: Enclosure) -> tuple[Enclosure, int]:
 
 def _exp_at(x: Enclosure) -> Enclosure:
     y, k = _halved(x)
-    total = _series(y, lambda i: i)
+    total = _series(y, _OF_EXP)
     for _ in range(k):
         total = total.times(total)
     return total
@@ -321,7 +324,7 @@ def _log_at(x: Enclosure) -> Enclosure:
 
 def _twice_atanh(z: Fraction) -> Enclosure:
     x = Enclosure.between(z, z)
-    return _times_whole(_odd_series(x, x.times(x)), 2)
+    return _times_whole(_series(x.times(x), _OF_ATANH).times(x), 2)
 
 
 def _times_whole(x: Enclosure, n: int) -> Enclosure:
@@ -334,7 +337,7 @@ _LOG_TWO = _twice_atanh(Fraction(1, 3))
 def _atan_at(x: Enclosure) -> Enclosure:
     for _ in range(3):  # tan(t/2) = tan t/(1 + sqrt(1 + tan^2 t)), and tan(pi/16) < 1/3
         x = x.times(_shifted(_shifted(x.power(2), 1).root(), 1).inverse())
-    return _times_whole(_odd_series(x, x.power(2).minus()), 8)
+    return _times_whole(_series(x.power(2).minus(), _OF_ATANH).times(x), 8)
 
 
 def _asin_at(x: Enclosure) -> Enclosure:
@@ -353,7 +356,7 @@ def _wave(x: Enclosure) -> tuple[Enclosure, Enclosure]:
     turns = _times_whole(_PI, 2 * (middle // (2 * _PI.low)))
     y, k = _halved(Enclosure(middle, middle).plus(turns.minus()))
     square = y.power(2).minus()
-    c, s = _series(square, lambda i: 2 * i * (2 * i - 1)), _series(square, lambda i: 2 * i * (2 * i + 1)).times(y)
+    c, s = _series(square, _OF_COS), _series(square, _OF_SIN).times(y)
     for _ in range(k):
         c, s = c.power(2).plus(s.power(2).minus()), _times_whole(c.times(s), 2)
     away = max(x.high - middle, middle - x.low)
@@ -380,7 +383,7 @@ def _tanh_at(x: Enclosure) -> Enclosure:
 def _tan(x: Enclosure) -> Enclosure:
     """It rises where no cosine is 0; ZeroDivisionError where one may be."""
     _wave(x)[0].inverse()
-    return _rising(lambda end: _wave(end)[1].times(_wave(end)[0].inverse()))(x)
+    return _rising(lambda end: (wave := _wave(end))[1].times(wave[0].inverse()))(x)
 
 
 _exp, _log, _atan, _asin = map(_rising, (_exp_at, _log_at, _atan_at, _asin_at))

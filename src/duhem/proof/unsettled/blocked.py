@@ -111,7 +111,9 @@ def _origin(law: StatedLaw) -> Blocked | None:
 
 
 def _convexity(law: StatedLaw) -> Blocked | None:
-    _, others, inside = where_loads_allow(law)
+    others, inside = [law.g], over(law)
+    with suppress(NotWritten):  # a polynomial in it has too many terms
+        _, others, inside = where_loads_allow(law)
     return _undefined(others, inside) or next((found for part in others if (found := _below(part, _CONVEX, inside)) is not None), None)
 
 

@@ -69,6 +69,7 @@ _OF_A_POTENTIAL = {
     "normality": "Phi*(tau) - Phi*(sigma) >= grad Phi*(sigma) . (tau - sigma) for all tau and sigma",
     "dissipation": "force . grad Phi* >= 0 at all forces",
 }
+_WHOLE = "is the whole formula: the rules do not show the claim, and no smaller part of it is known to keep them from that"
 _OF_G = ("origin", "convexity", "smoothness", "duality")  # claims about g alone
 _OF_ANY_K = ("origin", "state_laws", "thermal")  # of an empty K they are not proved, or they are about something else
 _STEPS = 3_000_000
@@ -136,8 +137,10 @@ class OpenClaims:
         with suppress(*UNREADABLE, TooDearError), within(_STEPS):
             if claim == "duality" and isinstance(subject, FormulaSubject) and subject.support is not None:
                 found = required([parse(formula(x)) for x in subject.support.requires], StatedLaw.read(asked.text))
-            elif "boundary" not in asked.text:
-                found = blocked(claim, StatedLaw.read(asked.text))
+            elif claim in _INEQUALITIES and "boundary" not in asked.text:
+                read = StatedLaw.read(asked.text)
+                found = None if read.of_rates else Blocked(read.g, _WHOLE)
+                found = blocked(claim, read) or found
         actions, own = list[str](), _everything(asked, self._decide)
         proved = frozenset(name for name, evidence in settled.items() if evidence.verdict is Verdict.PROVED and name != claim)
         with suppress(*UNREADABLE):

@@ -5,7 +5,7 @@ Where the boundary lies is found in floats.  Nothing of that is certain, and not
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from decimal import Decimal
 from fractions import Fraction
 from itertools import islice
@@ -21,7 +21,7 @@ from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.facts.subject import Values
 from duhem.proof.kernel.boxes import MOST_FORCES
 
-__all__ = ["Ranges", "around_the_boundary", "others_at", "places_in_ranges"]
+__all__ = ["Ranges", "around_the_boundary", "between", "others_at", "places_in_ranges"]
 
 Ranges = dict[str, dict[str, str]]  # the ends of each force and of the pressure, as a criterion file has them
 _CHOICES, _MANY, _PAIRS = 3, 4000, 600  # of parameters; places drawn; pairs of a place inside and one outside
@@ -62,11 +62,24 @@ def around_the_boundary(subject: FormulaSubject) -> Iterator[Ranges]:
 
 def _entry(own: Domain, low: float, high: float) -> dict[str, str]:
     """Both ends in few digits, or those of the range that a law has of its own, where that ends before."""
-    least, most = (Decimal(f"{x:.2g}") for x in (low, high))
+    least, most = _plain(low), _plain(high)
     return {
-        "min": f"{least:f}" if own.low is None or own.low <= Fraction(least) else str(own.low),
-        "max": f"{most:f}" if own.high is None or own.high >= Fraction(most) else str(own.high),
+        "min": least if own.low is None or own.low <= Fraction(least) else str(own.low),
+        "max": most if own.high is None or own.high >= Fraction(most) else str(own.high),
     }
+
+
+def _plain(x: float) -> str:
+    return f"{Decimal(f'{x:.2g}'):f}"
+
+
+def between(narrow: Mapping[str, str], wide: Mapping[str, str]) -> list[dict[str, str]]:
+    """What holds two ranges, then the narrow one with one end of that, then with both halfway; none where that is the narrow one."""
+    ends = {end: least([own[end] for own in (wide, narrow)], key=Fraction) for end, least in (("min", min), ("max", max))}
+    half = {end: _plain(float(Fraction(ends[end]) + Fraction(narrow[end])) / 2) for end in ends}
+    half = {end: sorted((ends[end], x, narrow[end]), key=Fraction)[1] for end, x in half.items()}
+    ways = ends, {**narrow, "max": ends["max"]}, {**narrow, "min": ends["min"]}, half
+    return [way for way in ways if way != narrow]
 
 
 @np.errstate(all="ignore")  # where a formula has no value it is nan, or infinite

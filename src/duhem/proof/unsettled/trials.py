@@ -23,6 +23,7 @@ from duhem.proof.kernel.stated_law import StatedLaw, inhabited
 from duhem.proof.kernel.steps import TooDearError, within
 from duhem.proof.kernel.term import UNREADABLE, Term, minus, parse, sum_of
 from duhem.proof.unsettled.blocked import Blocked
+from duhem.proof.unsettled.ranges import between
 from duhem.proof.unsettled.term_text import in_text
 from duhem.proof.verdict import Verdict
 
@@ -31,12 +32,15 @@ __all__ = ["Attempts", "Rewriting", "settings", "that_help"]
 Text = Mapping[str, Any]  # a law as the kernel reads it
 Choice = Mapping[str, Fraction]
 Choices = Callable[[Iterable[Choice]], Iterable[Choice]]  # those of some at which K is not empty, and more
+RangesAt = Callable[[Choice], Iterable[Text]]  # of the forces, around the boundary at some values of the parameters, the widest first
 Decide = Callable[[str, Text, Budget], Verdict | None]  # the verdict on a claim of a changed law; None where it is open
-_IN_ALL, _SHARE = 6_000_000, 3  # steps for all claims of a law; one claim may use 1/_SHARE of what is left
+_IN_ALL, _SHARE = 9_000_000, 3  # steps for all claims of a law; one claim may use 1/_SHARE of what is left
 _A_TRIAL, _A_KIND, _IN_A_BOX, _A_DECISION, _READING = 200_000, 400_000, 300_000, 250_000, 5_000  # steps; for reading a law
 _BEFORE = ("origin", "convexity", "smoothness", "normality", "dissipation", "state_laws", "homogeneity")
 _TOLD = _BEFORE[:5]  # those of which it is said that they are proved too
 _PLAIN = tuple(map(Fraction, ("1", "2", "1/2", "1/10", "3", "-1")))
+_WIDENING = 1_000_000  # steps to free parameters and to widen ranges
+_AROUND = (Fraction(1, 2), Fraction(1, 10))  # ranges of a parameter, as shares of a value
 _TURNS, _MOST_CHOICES, _MOST_FIXED = 7, 6, 4  # of plain values; of those at which everything that decides is asked
 _MOST_DECIDED, _MOST_DUALS, _MOST_BOXED = 16, 3, 2  # times that everything is asked about one claim; choices tried in a box
 _LONGEST = 120  # letters of a constraint
@@ -73,46 +77,46 @@ class Attempts:
 def that_help(
     claim: str, law: Text, settled: frozenset[str], blocked: Blocked | None, choices: Choices,
     forms: Callable[[], Sequence[Rewriting]] = tuple, decide: Decide | None = None, first: Sequence[Choice] = (),
-    tried: Attempts | None = None, ranges: Callable[[Choice], Iterable[Text]] = lambda _: (),
+    tried: Attempts | None = None, ranges: RangesAt = lambda _: (),
 ) -> list[str]:  # fmt: skip
     """What to do, so that the claim is settled: one action a kind, each seen to help.
 
     ``choices`` gives values of the free parameters at which it is tried, and of plain ones those at which K is not empty, for of an
     empty K much is proved.  ``forms`` are other forms of g with the same K.  At the values that are tried ``first`` the claim may fail.
-    ``ranges`` gives ranges of the forces around the boundary that is found at some values, the widest first.
     """
     asked = _Asked(claim, law, settled, decide, tried or Attempts())
-    refuted = [_said("", choice, Verdict.REFUTED) for choice in first if asked.decided(_with(law, choice)) is Verdict.REFUTED]
+    refuted = [_refuted("", choice) for choice in first if asked.decided(_with(law, choice)) is Verdict.REFUTED]
     helped = asked.tried.helped.items()
     again = [told for told, changed in helped if asked(changed)]
     if again := again or [told for told, changed in helped if claim != "duality" and asked.decided(changed) is Verdict.PROVED]:
         return [*again, *refuted]
-    found = list[str]()
-
-    def by_evidence(changed: Text) -> bool:  # the power may be a share of g and a rest
-        return claim == "dissipation" and not found and asked.decided(changed) is Verdict.PROVED
-
-    for kind, way in ((_signs, asked), (_ranges, asked), (_ranges, by_evidence)):
-        asked.steps = _A_KIND
-        if blocked is not None and (best := next((each for each in kind(law, blocked, choices) if way(each[1])), None)) is not None:
-            found.append(asked.keep(*best))
-    found = found or _with_least_lost(law, ((form.told, _changed(law, form, {})) for form in forms()), asked)
     part = frozenset[str]() if blocked is None else blocked.part.names().union(*(c.names() for c in blocked.signs))
-    if found or refuted:
-        return [*found, *refuted]
-    known, asked.steps = [*choices(_choices(law))], _A_KIND
-    # where g has no value at a tip, it is no parameter that is to blame; a closed form takes long to look for
-    alone = () if any(form.at_tip for form in forms()) or not known or claim == "duality" else sorted(known[0])
-    beside = (told for told, changed in _beside_tips(law, part, forms()) if asked(changed)) if claim == "smoothness" else ()
-    found = _narrowed(law, alone, known, {}, asked) or _switched(law, forms(), part, known, choices, asked)
-    asked.steps = _A_KIND
-    if found := found or [*islice(beside, 1)]:
+
+    def either(changed: Text) -> bool:  # the power may be a share of g and a rest, which is evidence
+        return asked(changed) or (claim == "dissipation" and not found and asked.decided(changed) is Verdict.PROVED)
+
+    def first_of(kind: Iterable[tuple[str, Text]], way: Callable[[Text], bool] = asked) -> list[str]:
+        asked.steps = _A_KIND  # for each kind anew
+        return [asked.keep(*best) for best in islice((each for each in kind if way(each[1])), 1)]
+
+    found = first_of(_signs(law, blocked, choices)) if blocked else []
+    found += first_of(_ranges(law, blocked), either) if blocked else []
+    if found := [*(found or _with_least_lost(law, ((form.told, _changed(law, form, {})) for form in forms()), asked)), *refuted]:
         return found
-    asked.steps = _A_KIND  # for each kind anew
-    if (best := next((each for each in _one_sided(law) if asked(each[1])), None)) is not None:
-        return [asked.keep(*best)]
-    boxed, fixed = _boxed(law, known[:_MOST_BOXED] or ({},), ranges, asked)  # before what takes most steps
-    return boxed if boxed and not fixed else _settling(law, forms(), part, known, choices, asked) or boxed
+    # where g has no value at a tip, it is no parameter that is to blame; a closed form takes long to look for
+    known, asked.steps = [*choices(_choices(law))], _A_KIND
+    narrow = known and not any(form.at_tip for form in forms()) and claim != "duality" and any(asked(_with(law, x)) for x in known[:2])
+    fixed = partial(_fixed, law, forms(), part, known, choices, asked)
+    if found := (narrow and _narrowed(law, sorted(known[0]), known, {}, asked)) or fixed(asked.by_rules, False):
+        return found
+    asked.steps, asked.kept = _A_KIND, asked.kept + _A_KIND // 2
+    beside = (told for told, changed in _beside_tips(law, part, forms()) if asked(changed)) if claim == "smoothness" else ()
+    if found := [*islice(beside, 1)] or first_of(_one_sided(law)) or fixed(asked.decided, False):
+        return found
+    boxed, wide = _boxed(law, known[:_MOST_BOXED] or ({},), ranges, asked)
+    asked.kept -= _A_KIND // 2
+    gone = [] if wide else fixed(asked.by_rules, True) or fixed(asked.decided, True)  # which says least, but for a small part of K
+    return gone or [asked.keep(*each) for each in boxed]
 
 
 class _Asked:
@@ -129,13 +133,17 @@ class _Asked:
             return Verdict.PROVED if self(law) else None
         key = self.claim, _key(law)
         if key not in self.tried.verdicts:
-            if self.tried.steps <= self.kept or self.decisions == 0:
+            if self.steps < 0 or self.tried.steps <= self.kept or self.decisions == 0:
                 return None
             self.decisions -= 1
             budget = Budget(_A_DECISION)
             self.tried.verdicts[key] = self.decide(self.claim, law, budget)
-            self.tried.steps -= budget.spent + _READING
+            self._pay(budget.spent)
         return self.tried.verdicts[key]
+
+    def by_rules(self, law: Text) -> Verdict | None:
+        """Proved without evidence, for few steps; else None."""
+        return Verdict.PROVED if self(law, most=_A_TRIAL // _SHARE) else None
 
     def __call__(self, law: Text, claim: str = "", rules: Sequence[str] = (), most: int = _A_TRIAL) -> bool:
         """Whether it proves the claim, or another, without evidence, with what that may rest on; of g itself holds what is settled.
@@ -159,9 +167,12 @@ class _Asked:
                 answers[name] = any(not objection(name, rule, frozenset(known), read, {}) for rule in (*rules, *rules_of(name, read)))
                 known |= {name} if answers[name] else set()
         answers.setdefault(claim, False)
-        self.steps -= purse.spent + _READING
-        self.tried.steps -= purse.spent + _READING
+        self._pay(purse.spent)
         return claim in known
+
+    def _pay(self, spent: int) -> None:
+        self.steps -= spent + _READING
+        self.tried.steps -= spent + _READING
 
     def keep(self, told: str, law: Text) -> str:
         """What to do, with the claims that are then proved too; the next claims are tried with it first."""
@@ -210,7 +221,7 @@ def _compared(constant: Term, strict: bool) -> str:
     return f"{' + '.join(less) or 0} {'<' if strict else '<='} {' + '.join(more) or 0}"
 
 
-def _ranges(law: Text, blocked: Blocked, _: Choices) -> Iterator[tuple[str, Text]]:
+def _ranges(law: Text, blocked: Blocked) -> Iterator[tuple[str, Text]]:
     """Yield ranges of one sign for forces of the part, unless it is a sum, or 0 at a tip."""
     ranges, part = law.get("domain", {}), blocked.part
     if len(law["forces"]) > _MOST_FORCES or part.op in ("+", "norm") or not isinstance(read := stated(law), StatedLaw):
@@ -230,10 +241,9 @@ def _one_sided(law: Text) -> Iterator[tuple[str, Text]]:
 
 def _of_one_sign(law: Text, ends: Mapping[str, str]) -> tuple[str, Text]:
     """The law for forces of one sign alone, whose ranges have these ends at 0, and what to do."""
-    told = " and ".join(f"{x} {_SIDES[end]} 0" for x, end in ends.items())
-    written = " and ".join(f"{x} = {{ {end} = 0 }}" for x, end in ends.items())
-    ranges = {**law.get("domain", {}), **{x: {end: "0"} for x, end in ends.items()}}
-    return f"ask for {told} alone: {written} in the section [domain]", {**law, "domain": ranges}
+    told, own = " and ".join(f"{x} {_SIDES[end]} 0" for x, end in ends.items()), {x: {end: "0"} for x, end in ends.items()}
+    changed = {**law, "domain": {**law.get("domain", {}), **own}}
+    return f"ask for {told} alone: {_entries(own)} in the section [domain]", changed
 
 
 def _moved(law: Text, part: frozenset[str]) -> Iterator[tuple[str, Text]]:
@@ -259,90 +269,103 @@ def _beside_tips(law: Text, part: frozenset[str], forms: Sequence[Rewriting]) ->
             yield f"{form.told}, and then {told}" if form else told, changed
 
 
-def _switched(
-    law: Text, forms: Sequence[Rewriting], part: frozenset[str], known: Sequence[Choice], choices: Choices, asked: _Asked
-) -> list[str]:
-    """One parameter at a plain value, at 1, at an end of its range or at 0, at which the claim is proved whatever the others are.
+def _fixed(
+    law: Text, forms: Sequence[Rewriting], part: frozenset[str], known: Sequence[Choice], choices: Choices, asked: _Asked,
+    settles: Callable[[Text], Verdict | None], off: bool,
+) -> list[str]:  # fmt: skip
+    """A form of g, or g with the fewest parameters fixed or narrowed, of which the claim is settled.
 
-    An effect that is gone at 0 says least.
+    Where the values are ``off``, one of them is 0, and an effect is gone.
     """
+    every = [values for values in _values(law, part, known) if (0 in values.values()) is off]
     asked.steps = _A_KIND
-    for form, choice in product((None, *forms[:1]), known[:1]):
-        for x in sorted(choice, key=lambda x: x not in part):
-            own = Bounds.read(law["parameters"][x])
-            ends = (choice[x], Fraction(1), *(end for end in (own.high, own.low) if end))
-            for value in (value for value in dict.fromkeys((*ends, Fraction(0))) if own.holds(value)):
-                changed, there = _changed(law, form, {x: value}), {**choice, x: value}
-                if asked(changed, most=_A_TRIAL // _SHARE) and _inhabits(there, law) and next(iter(choices([there])), None) == there:
-                    if form and asked.decided(_with(law, {x: value})) is Verdict.PROVED:
-                        return [_said("", {x: value}, Verdict.PROVED)]
-                    return [asked.keep(" and ".join(filter(None, (form and form.told, settings({x: value})))), changed)]
-    return []
-
-
-def _settling(
-    law: Text, forms: Sequence[Rewriting], part: frozenset[str], known: Sequence[Choice], choices: Choices, asked: _Asked
-) -> list[str]:
-    """A form of g, or g with the fewest parameters fixed or narrowed at plain values, of which the claim is proved or refuted."""
-    own = {x: Bounds.read(domain) for x, domain in law["parameters"].items()}
-    alike: list[Choice] = [
-        {x: end if own[x].holds(end) else choice[x] for x in choice} for choice in known[:1] for end in map(Fraction, (0, 1))
-    ]
-    alike = [*islice(choices(each for each in alike if _inhabits(each, law)), len(alike))]
-    for values in ({}, *known[:1], *alike, *known[1:_MOST_FIXED]):
+    if settles == asked.decided:
+        every, asked.steps = [*([] if off else [{}]), *every], (asked.tried.steps - asked.kept) // 2
+    for values in every:
         for form in (None, *forms[:1]) if values else forms[:_MOST_FORMS]:
-            asked.steps = _A_KIND
-            if (verdict := asked.decided(_changed(law, form, values))) is Verdict.REFUTED:
-                return [_said(form.told if form else "", values, verdict)]
-            if verdict is Verdict.PROVED:
+            verdict = settles(_changed(law, form, values))
+            if verdict is Verdict.REFUTED:
+                return [_refuted(form.told if form else "", values)]
+            if verdict and (not values or (_inhabits(values, law) and next(iter(choices([values])), None) == values)):
                 return [_with_fewest(law, form, values, part, asked)]
     return []
 
 
-def _boxed(law: Text, known: Sequence[Choice], ranges: Callable[[Choice], Iterable[Text]], asked: _Asked) -> tuple[list[str], Choice]:
-    """Ranges of the forces in which enclosures show the claim, the widest, and values of the parameters, the fewest that will do.
+def _values(law: Text, part: frozenset[str], known: Sequence[Choice]) -> Iterator[Choice]:
+    """Plain values, one of them at an end of its range, at 1 or at 0, those of a part first, all at 1 or 0, and other plain values."""
+    yield from known[:1]
+    for plain in known[:1]:
+        own = {x: Bounds.read(law["parameters"][x]) for x in plain}
+        for x in sorted(plain, key=lambda x: x not in part):
+            ends = (own[x].high, own[x].low, Fraction(1), Fraction(0))
+            yield from ({**plain, x: end} for end in dict.fromkeys(ends) if end is not None and own[x].holds(end))
+        yield from ({x: end if own[x].holds(end) else plain[x] for x in plain} for end in map(Fraction, (0, 1)))
+    yield from known[1:_MOST_FIXED]
 
-    The narrowest are asked first, as these cost least.
+
+def _boxed(law: Text, known: Sequence[Choice], ranges: RangesAt, asked: _Asked) -> tuple[list[tuple[str, Text]], bool]:
+    """Ranges of the forces in which enclosures show the claim, and of the parameters, and whether these forces are half of K or more.
+
+    The narrowest are asked first, as these cost least.  As far as the claim is shown, each parameter may then have any value, each force
+    has the widest range or more of it, and a parameter any value around that which was tried.
     """
     for values in known if asked.claim in _IN_BOXES else ():
-        asked.steps, rules = _A_KIND, _IN_BOXES[asked.claim]
-        texts = ({**_with(law, values), "domain": box} for box in reversed([*ranges(values)]))
-        if not (shown := [*takewhile(partial(asked, rules=rules, most=_IN_A_BOX), texts)]):
+        asked.steps, shown = _A_KIND, partial(asked, rules=_IN_BOXES[asked.claim], most=_IN_A_BOX)
+        boxes = [*ranges(values)]
+        if not (found := [*takewhile(shown, ({**_with(law, values), "domain": box} for box in reversed(boxes)))]):
             continue
-        boxed, asked.steps = shown[-1], _A_KIND
-        for x in values:
-            fewer = {name: value for name, value in values.items() if name != x}
-            if asked(freed := {**_with(law, fewer), "domain": boxed["domain"]}, rules=rules, most=_IN_A_BOX):
-                values, boxed = fewer, freed
-        if values and asked.decided(_with(law, values)) is Verdict.PROVED:  # in all ranges
-            return [_said("", values, Verdict.PROVED)], values
-        ends = boxed["domain"].items()
-        near = " and ".join(f"{x} = {{ min = {_in_a_file(own['min'])}, max = {_in_a_file(own['max'])} }}" for x, own in ends)
-        told = f"ask for forces near K alone: {near} in the section [domain]"
-        return [asked.keep(" and ".join(filter(None, (told, settings(values)))), boxed)], values
-    return [], {}
+        boxed, asked.steps = found[-1], _WIDENING
+        wider = [("parameters", x, [law["parameters"][x]]) for x in values]
+        wider += [("domain", x, between(boxed["domain"][x], boxes[0][x])) for x in boxes[0]]
+        wider += [("parameters", x, [*_around(law["parameters"][x], value)]) for x, value in values.items()]
+        for section, name, entries in wider:
+            if section == "domain" or "value" in boxed[section][name]:  # it is not free yet
+                boxed = next(filter(shown, ({**boxed, section: {**boxed[section], name: entry}} for entry in entries)), boxed)
+        box, narrower = boxed["domain"], {x: own for x in values if (own := boxed["parameters"][x]) != law["parameters"][x]}
+        fixed = {x: narrower.pop(x)["value"] for x in values if "value" in narrower.get(x, ())}
+        near = f"ask for forces near K alone: {_entries(box)} in the section [domain]"
+        told = (near, f"{_entries(narrower)} in the section [parameters]" if narrower else "", settings(fixed))
+        wide = all(2 * _length(box[x]) >= _length(boxes[0][x]) for x in law["forces"])
+        return [(" and ".join(filter(None, told)), boxed)], wide
+    return [], False
+
+
+def _entries(ranges: Mapping[str, Text]) -> str:
+    """As the section of a criterion file has them."""
+    return " and ".join(f"{x} = {{ {', '.join(f'{end} = {_in_a_file(own[end])}' for end in own)} }}" for x, own in ranges.items())
+
+
+def _length(side: Text) -> Fraction:
+    return Fraction(side["max"]) - Fraction(side["min"])
+
+
+def _around(domain: Text, value: Fraction) -> Iterator[Text]:
+    """Ranges of a parameter around a value, within its own."""
+    for share in _AROUND if value else ():
+        low, high = sorted((value * (1 - share), value * (1 + share)))
+        part = Bounds.read(domain).above(low, False).below(high, False)
+        yield {"min": str(part.low), "max": str(part.high)}
 
 
 def _with_fewest(law: Text, form: Rewriting | None, fixed: Choice, part: frozenset[str], asked: _Asked) -> str:
     """What is proved with values fixed, with as few of them as may be, those of a ``part`` the longest, and one of these narrowed."""
-    told = form.told if form else ""
+    told, asked.steps = form.told if form else "", _WIDENING
     others = [name for name in fixed if name not in part]  # an effect that is gone at 0 is the likeliest that matters
     ways = ([name for name in others if fixed[name]], others, *([x] for x in sorted(fixed, key=lambda x: (not fixed[x], x in part))))
     for freed in ways:
         fewer = {x: value for x, value in fixed.items() if x not in freed}
-        if fewer != fixed and (fewer or form) and asked.decided(_changed(law, form, fewer)) is Verdict.PROVED:
+        changed = _changed(law, form, fewer)
+        if fewer != fixed and (fewer or form) and (asked.by_rules(changed) or asked.decided(changed) is Verdict.PROVED):
             fixed = fewer
     for name in fixed if "boundary" not in law else ():  # to read a curve takes long
         more = {x: value for x, value in fixed.items() if x != name}
         if found := _narrowed(_changed(law, form, {}), [name], [fixed], more, asked):
             return " and ".join(filter(None, (told, *found)))
-    said = _said(told, fixed, Verdict.PROVED)
-    asked.tried.helped[said] = _changed(law, form, fixed)
-    return said
+    return asked.keep(" and ".join(filter(None, (told, settings(fixed)))), _changed(law, form, fixed))
 
 
-def _said(told: str, values: Choice, verdict: Verdict) -> str:
-    return f"{' and '.join(filter(None, (told, settings(values))))} (then it is {verdict})"
+def _refuted(told: str, values: Choice) -> str:
+    return f"{' and '.join(filter(None, (told, settings(values))))} (then it is refuted)"
 
 
 def settings(values: Mapping[str, Any]) -> str:
