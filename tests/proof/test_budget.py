@@ -63,7 +63,7 @@ def test_a_question_costs_no_more_than_it_is_given_and_the_same_each_time(steps:
 
 
 def test_more_steps_decide_it() -> None:
-    question = Question(x**4 - 2 * x**2 * y + 2 * y**2 - x * y + 1, Sense.NONNEGATIVE)
+    question = Question(x**2 - x * y + 2 * y**2 + 1, Sense.NONNEGATIVE)
     assert [decide(question, Budget(steps)).holds for steps in (1, 1_000_000)] == [None, True]
 
 

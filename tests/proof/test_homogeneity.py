@@ -54,7 +54,6 @@ def test_at_zero_force_the_power_is_zero_anyway(g):
     [
         law("a**2 + b**2 + c**2 - 3*a + 2"),  # 0 is outside
         law("a**2 - b**2 + c**2 - a"),  # so do A and B
-        law("where(a > 0, norm(a, b, c), 2*norm(a, b, c)) - 1"),  # it jumps
         law("norm(a, b, c) - exp(a)"),  # of no degree
         Criterion("law", "norm(a, b, c) - 1", {}, forces=("a", "b", "c"), pressure=None, flow=("-a", "-b", "-c")),
     ],

@@ -41,7 +41,7 @@ def test_the_methods_that_prove_are_asked() -> None:
     """Not so few that the rest says nothing, and no refuter."""
     asked = {claim: [m.run.__module__.rpartition(".")[2] for m in provers(claim)] for claim in CLAIMS}
     assert {"composition", "polyhedral", "polar", "boundary"} <= set(asked["convexity"])
-    assert {"composition", "polar", "evidence"} <= set(asked["smoothness"])
-    assert {"degrees", "power_share", "polar", "evidence"} <= set(asked["dissipation"])
+    assert {"composition", "polar", "on_boundary"} <= set(asked["smoothness"])
+    assert {"degrees", "power_share", "polar", "on_boundary"} <= set(asked["dissipation"])
     assert asked["duality"] == ["evidence"] and "evaluation" in asked["origin"] and asked["normality"]
     assert "refuters" not in {name for names in asked.values() for name in names}

@@ -12,7 +12,7 @@ import pytest
 from duhem import Criterion, Domain, Verdict, verify
 from duhem.law.criterion_file import reads
 from duhem.proof.facts.formula_subject import FormulaSubject
-from duhem.proof.methods import refuters
+from duhem.proof.methods import evidence, refuters
 from duhem.proof.search import boundary_identities
 from duhem.proof.search.boundary_points import BoundaryScout, scouts
 from duhem.proof.verdict import Evidence, Proof, Witness
@@ -67,15 +67,16 @@ def test_a_flow_parallel_to_the_normal(g: str, slip: Sequence[str] | None, norma
         assert found is None
         return
     detail = "the flow is a non-negative multiple of grad g wherever g = 0, and K is convex"
-    assert found is not None and (found.verdict, found.method, found.detail) == (Verdict.PROVED, "parallel", detail)
-    assert found.proof is None or found.proof.rule == "parallel"
+    assert found is not None and (found.verdict, found.detail) == (Verdict.PROVED, detail) and found.method.startswith("parallel (")
+    for offered in evidence.normality_parallel(subject(g, slip)):
+        assert offered.proof is not None and offered.proof.rule == "parallel"
 
 
 def test_in_three_forces_every_pair_of_components_counts() -> None:
     for slip, normal in (("a b c", True), ("a b 2*c", False), ("a 2*b c", False), ("2*a b c", False), ("a b -c", False)):
         assert (parallel.normality(subject("a**2 + b**2 + c**2 - 1", slip.split(), "abc")) is not None) is normal
-    proved = parallel.normality(subject(DISC, ("2*a", "2*b")))
-    assert proved is not None and proved.proof is not None and isinstance(proved.proof, Proof)
+    (proved,) = evidence.normality_parallel(subject(DISC, ("2*a", "2*b")))
+    assert isinstance(proved.proof, Proof)
 
 
 def _chord(parameters: dict[str, str] | None = None, **points: dict[str, str]) -> Witness:
@@ -262,8 +263,8 @@ def test_corners_and_sharp_points() -> None:
 
 def test_what_shows_that_a_flow_is_parallel() -> None:
     for slip in (A_B, ("a*(1 + abs(b))", "b*(1 + abs(b))")):
-        known = parallel.normality(subject(DISC, slip))
-        assert known is not None and known.proof is not None and set(known.proof.evidence) == {"along", "across"}
+        (known,) = evidence.normality_parallel(subject(DISC, slip))
+        assert known.proof is not None and set(known.proof.evidence) == {"along", "across"}
         assert on_boundary.normality_parallel(subject(DISC, slip), {"convexity": Evidence(Verdict.TESTED, "", "")}) is None
 
 

@@ -50,9 +50,9 @@ def test_no_answer_may_be_missing(method: Method, g: str, slip: Sequence[str] | 
     q = Domain.between("1/2", 1)
     law = AskedSubject(Criterion("law", g, {"q": q}, forces=tuple("abc" if "c" in g else "ab"), pressure=None, flow=slip and tuple(slip)))
     asked, told = 0, dict[int, Answer]()
-    ask = FormulaSubject.ask
+    ask = AskedSubject.ask
 
-    def counted(subject: FormulaSubject, *question: Any, **circle: Any) -> Answer:
+    def counted(subject: AskedSubject, *question: Any, **circle: Any) -> Answer:
         nonlocal asked
         asked += 1
         return told[asked] if asked in told else ask(subject, *question, **circle)
@@ -64,7 +64,7 @@ def test_no_answer_may_be_missing(method: Method, g: str, slip: Sequence[str] | 
         return found is not None and found.verdict is Verdict.PROVED
 
     assert proved()  # what is derived but once is derived now
-    monkeypatch.setattr(FormulaSubject, "ask", counted)
+    monkeypatch.setattr(AskedSubject, "ask", counted)
     assert proved() and asked > 0
     for answer in (Answer(None), Answer(False)):
         still = 0

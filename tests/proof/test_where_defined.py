@@ -118,7 +118,7 @@ def test_what_is_guarded_by_the_second_invariant(factor: str, right: set[str], w
     ],
 )
 def test_a_jump_at_the_axis_stays_in_a_sum_where_it_is_nothing_elsewhere(g: str) -> None:
-    assert not proved(g, ("a", "b", "c"))  # K is a cylinder without its axis
+    assert proved(g, ("a", "b", "c")) <= {"dissipation"}  # K is a cylinder without its axis: rays from zero force leave it once
 
 
 @pytest.mark.parametrize(

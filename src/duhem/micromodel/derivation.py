@@ -192,8 +192,8 @@ def star_shaped() -> Evidence:
 def _parts(t: sp.Expr, u: sp.Symbol) -> tuple[sp.Expr, sp.Expr, sp.Expr, sp.Expr]:
     """R.d, R.e, R'.e, R'.d of a side as :func:`star_shaped` states them."""
     free = 1 - u * t * _C
-    w2 = 1 + t**2 * (1 - _C**2) / (1 + t**2 * _C**2)  # (1 + t^2)/(1 + t^2 c^2)
-    return t * _C + u * (1 + t**2 * _C**2) / free, -t * _S / free, u * (w2 - u * t * _C) / free**2, -(u**2) * t * _S / free**2
+    turned = u / free + u * t**2 * (1 - _C**2) / (1 + t**2 * _C**2) / free**2  # w^2 = 1 + t^2 (1 - c^2)/(1 + t^2 c^2)
+    return t * _C + u * (1 + t**2 * _C**2) / free, -t * _S / free, turned, -(u**2) * t * _S / free**2
 
 
 def _identities() -> list[sp.Expr]:

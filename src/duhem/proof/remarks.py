@@ -125,8 +125,8 @@ def _oddities(subject: FormulaSubject, odd: Extent | None, settled: Mapping[str,
     law = subject.law
     proved = any(evidence.verdict is Verdict.PROVED for claim, evidence in settled.items() if claim != "state_laws")
     if subject.doubtful:
-        first = subject.doubtful[0]
-        place = undefined_place(subject, first)
+        places = ((doubt, place) for doubt in subject.doubtful if (place := undefined_place(subject, doubt)))
+        first, place = next(places, (subject.doubtful[0], ""))
         yield (
             f"duhem could not show that g has a value for all forces: it {first.does} {formula(_stated(subject, first.expr))}. "
             + (f"g has no value {place}. " if place else "")

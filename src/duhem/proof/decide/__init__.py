@@ -6,7 +6,7 @@ What has no value somewhere has no sign.  A relation that may have no value keep
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from fractions import Fraction
 
 import sympy as sp
@@ -20,6 +20,7 @@ from duhem.proof.kernel import obligations as needs
 from duhem.proof.kernel.bounds import POSITIVE, ZERO, Bounds
 from duhem.proof.kernel.curvature import over
 from duhem.proof.kernel.definedness import Reader
+from duhem.proof.kernel.domain import gap
 from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.kernel.steps import TooDearError, within
 from duhem.proof.kernel.term import UNREADABLE, Term, parse
@@ -51,27 +52,29 @@ def decide(question: Question, budget: Budget | None = None) -> Answer:
     return answer
 
 
-def _holds(question: Question, law: StatedLaw, term: Term) -> bool:
+def _holds(question: Question, law: StatedLaw, sides: Mapping[Term, bool], term: Term) -> bool:
     """Whether a term has a value in the domain of a law, and one of the signs that are asked for."""
-    domain = over(law)
+    domain = over(law).where(sides) if sides else over(law)
     square = question.expr.is_Pow and question.expr.exp.is_even and question.sense is Sense.NONNEGATIVE
     return Reader(domain).undecided(term) is None and (square or not domain.sign(term) & ~_SIGNS[question.sense])
 
 
-def _readings(question: Question) -> Iterator[tuple[StatedLaw, Term]]:
-    """Laws in which the expression is a constant, and a function of those symbols as forces that nothing bounds."""
+def _readings(question: Question) -> Iterator[tuple[StatedLaw, Mapping[Term, bool], Term]]:
+    """Laws in which the expression is a constant, and a function of those symbols as forces that nothing bounds; with what is >= 0 or > 0."""
     given = (r for told in question.given for r in (told.args if isinstance(told, sp.And) else (told,)))
     relations = [r for r in given if isinstance(r, Relational)]
     symbols = question.expr.free_symbols.union(*(r.free_symbols for r in relations))
     names = {x: sp.Symbol(f"x{i}", real=True) for i, x in enumerate(sorted(symbols, key=sp.default_sort_key))}
     ranges = {x: _range(x, relations) for x in names}
     term = parse(formula(question.expr.xreplace(names)))
+    compared = [(r, c) for r in relations if not _is_bound(r) for c in _comparisons(r.xreplace(names))]
     for moving in dict.fromkeys((frozenset[sp.Symbol](), frozenset(x for x in names if ranges[x] == Bounds(None, None)))):
         forces = tuple(y.name for x, y in names.items() if x in moving) or ("force",)
         law = StatedLaw(forces, None, term, None, {y.name: ranges[x] for x, y in names.items() if x not in moving}, ())
-        told = (r for r in relations if not (_is_bound(r) or r.free_symbols & moving))
-        compared = (c for r in told for c in _comparisons(r.xreplace(names)))
-        yield law._replace(constraints=tuple(c for c in compared if not needs.constraints(law._replace(constraints=(c,))))), term
+        told = (c for r, c in compared if not r.free_symbols & moving)
+        law = law._replace(constraints=tuple(c for c in told if not needs.constraints(law._replace(constraints=(c,)))))
+        sides = {gap(c): len(c.op) == 1 for r, c in compared if r.free_symbols & moving}
+        yield law, {side: strict for side, strict in sides.items() if Reader(over(law)).undecided(side) is None}, term
 
 
 def _is_bound(relation: Relational) -> bool:

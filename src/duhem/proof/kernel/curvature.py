@@ -323,7 +323,7 @@ def _power(term: Term, domain: StatedDomain) -> Facts:
     if exponent.sign == NEGATIVE and base.sign == POSITIVE and base.concave:  # Boyd, Vandenberghe (2004), 3.2.4
         return Facts(defined, POSITIVE, True, False, True)
     if whole and p and p % 2 == 0:
-        sign = signs_of_product(base.sign, base.sign) if base.sign != ANY else ZERO | POSITIVE
+        sign = base.sign & ZERO | (POSITIVE if base.sign != ZERO else 0)
         return Facts(defined, sign, p > 0 and base.convex_in_size, False, p > 0 and base.convex_in_size)
     if not base.nonnegative:
         rising = bool(whole and p and p > 0)

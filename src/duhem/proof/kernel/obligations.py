@@ -152,9 +152,13 @@ def numbers_in_formula(law: StatedLaw) -> str:
 
 
 def flow(law: StatedLaw) -> str:
-    """Every slip of the law's own, or every force where these are functions of the rates."""
-    slips = [law.flow, *(flow for _, flow in law.surfaces)]
-    return _everywhere("a force" if law.of_rates else "the flow", [x for flow in slips for x in flow or ()], within_ranges(law))
+    """Every slip of the law's own, that of a surface where the others are <= 0; or every force where these are functions of the rates."""
+    if not law.surfaces:
+        return _everywhere("a force" if law.of_rates else "the flow", law.flow or (), within_ranges(law))
+    places = (within_ranges(law).where({minus(other): False for other in face.others}) for face in law.faces())
+    return next(
+        filter(None, (_everywhere("the flow", face.flow or (), there) for face, there in zip(law.faces(), places, strict=True))), ""
+    )
 
 
 def formula_and_flow(law: StatedLaw) -> str:

@@ -34,6 +34,7 @@ __all__ = [
 
 Terms = Mapping[sp.Expr, sp.Expr]  # what depends on the forces, and its coefficient
 _MOST_ROOTS, _MOST_SHARES = 4, 6
+_PLACES = ("1/2", "-1/2", "2", "-2", "1/10", "-1/10")  # on a line
 
 
 def _offered(rule: str, detail: str, evidence: Mapping[str, Any], method: str | None = None) -> Evidence:
@@ -54,6 +55,8 @@ def smoothness_by_sums(subject: FormulaSubject) -> Iterator[Evidence]:
     sums, support = composed_of_sums(subject), subject.support
     centre = {} if support is None else {x: formula(c) for x, c in zip(subject.law.forces, support.centre, strict=True)}
     inside = {"inside": centre} if support is not None and any(support.centre) else {}
+    for place in _PLACES if len(subject.law.forces) == 1 else ():
+        yield _offered("one-dimensional", f"K is an interval around {place}", {"inside": {subject.law.forces[0]: place}})
     told = "g is C^1 wherever g = 0, and grad g != 0 there because g is convex"
     if inside:
         yield _offered("composition", f"{told} and negative at ({', '.join(centre.values())})", {**inside, **sums})

@@ -36,10 +36,15 @@ Identities = tuple[Mapping[str, Any], ...]
 
 @fact
 def outward(subject: FormulaSubject) -> Identities:
-    """For every piece of g, why force . flow > 0 (>= 0 for a flow of its own) wherever it is 0 in K; none where one is missing."""
+    """For every piece of g, why force . flow > 0 (>= 0 for a flow of its own) wherever it is 0 in K; none where one is missing.
+
+    What is no polynomial is left out of a flow of its own.
+    """
     forms, found, state = _Forms.of(subject), list[Mapping[str, Any]](), subject.state
     for face in faces(subject.law):
         for g, flow, where in _smooth(forms, face if state is None else face._replace(flow=(state.power,))):
+            if face.flow is not None and (g is None or None in flow):
+                continue  # signs may show it
             if g is None or None in flow:
                 return ()
             power: Any = flow[0] if state is not None else forms.along(forms.forces, flow or [g.diff(x) for x in forms.forces])
