@@ -60,7 +60,7 @@ def _holds(question: Question, law: StatedLaw, sides: Mapping[Term, bool], term:
 
 
 def _readings(question: Question) -> Iterator[tuple[StatedLaw, Mapping[Term, bool], Term]]:
-    """Laws in which the expression is a constant, and a function of those symbols as forces that nothing bounds; with what is >= 0 or > 0."""
+    """Laws in which the expression is a constant, and a function of the symbols that nothing bounds; with what is >= 0 or > 0."""
     given = (r for told in question.given for r in (told.args if isinstance(told, sp.And) else (told,)))
     relations = [r for r in given if isinstance(r, Relational)]
     symbols = question.expr.free_symbols.union(*(r.free_symbols for r in relations))
