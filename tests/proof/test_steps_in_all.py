@@ -17,6 +17,7 @@ from duhem.proof.decide import ANY_STEPS, Budget
 from duhem.proof.kernel import steps as kernel_steps
 from duhem.proof.verdict import Verdict
 from duhem.proof.verification import verdict_within
+from tests.long import mostly_long
 
 ONE_MORE = 30_000  # the kernel and z3 count what they do while they do it: the last piece may be beyond
 ROUND = Criterion("round", "norm(a, b) - k", {"k": Domain(positive=True)}, forces=("a", "b"), pressure=None)
@@ -63,7 +64,7 @@ def test_no_more_is_spent_than_is_given(name: str, steps: int, counted: Callable
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", ["hoffman", "lobes"])
+@pytest.mark.parametrize("name", mostly_long(["hoffman", "lobes"], "lobes"))
 def test_one_that_is_endless_would_be_seen(name: str, counted: Callable[[Criterion, int], int], monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(verification, "Budget", lambda steps: Budget(ANY_STEPS))
     assert counted(LAWS[name], 200_000) > 200_000 + ONE_MORE

@@ -129,7 +129,7 @@ def test_what_a_tip_shows_is_so() -> None:
     assert max(map(g, reach)) <= 0 < 1e-9 < g((reach[0] + reach[1]) / 2)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_the_atlas_beyond_what_was_published() -> None:
     for name, over, short in (
         ("menetrey-willam", {"e": "0:1"}, "e >= 1/2"),

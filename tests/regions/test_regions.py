@@ -174,7 +174,7 @@ def test_two_harmonics(seed: int) -> None:
 # -- what is asked -----------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_chords_refute_parts_and_what_is_between_stays_open() -> None:
     """Of a law that is no polynomial of the forces, with a K that is not bounded."""
     law = duhem.Criterion("bow", "sqrt(x**2 + y**2 + 1) - 2 - c*x**2", {"c": duhem.Domain.between(-1, 1)}, ("x", "y"), None)
