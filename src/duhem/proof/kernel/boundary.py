@@ -96,7 +96,8 @@ def _on_face(
     if any(chooses(g, domain) for g in (face.g, *face.others)):
         raise NotWritten("g may jump, and then K ends where no g is 0")
     for piece, sides in pieces(Term(",", (face.g, *beside)), domain, CHOICES):
-        yield piece.args, sides, _on_boundary(piece.args[0], (*sides, *inside), domain)
+        there = (*sides, *inside)
+        yield piece.args, there, _on_boundary(piece.args[0], there, domain)
 
 
 def curves_inward(law: StatedLaw, directions: Sequence[str], identities: Identities) -> bool:
