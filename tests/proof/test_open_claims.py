@@ -6,7 +6,7 @@ import json
 import math
 import re
 import tomllib
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from fractions import Fraction
@@ -23,6 +23,7 @@ from duhem.expression.abbreviations import Stress
 from duhem.law.domain import POSITIVE, Domain
 from duhem.law.state import Variable
 from duhem.proof.certificate import law_as_text
+from duhem.proof.decide import Budget
 from duhem.proof.facts.formula_subject import FormulaSubject, admitted_values
 from duhem.proof.kernel.claims import objection
 from duhem.proof.kernel.region import where_loads_allow
@@ -32,7 +33,7 @@ from duhem.proof.kernel.term import NotWritten, parse
 from duhem.proof.unsettled import open_claims, trials
 from duhem.proof.unsettled.blocked import blocked
 from duhem.proof.unsettled.term_text import in_text, names_of
-from duhem.proof.unsettled.trials import that_help
+from duhem.proof.unsettled.trials import Attempts, that_help
 from duhem.proof.verdict import Evidence, Unsettled, Witness
 from duhem.regions import told as told_of_a_region
 from duhem.show.printing import sheet, text
@@ -506,3 +507,16 @@ def test_no_more_is_tried_when_the_purse_is_empty() -> None:
 def test_a_number_is_told_as_a_criterion_file_has_it(x: Any, said: str) -> None:
     assert trials._in_a_file(x) == said
     assert Domain.between(tomllib.loads(f"min = {said}")["min"], None).low == sp.Rational(str(x))
+
+
+def test_values_that_refute_one_claim_are_tried_for_the_next() -> None:
+    tried, law = Attempts(), law_as_text(Criterion("law", "a**2 + c*b**2 - 1", {"c": Domain()}, forces=("a", "b"), pressure=None))
+    fails, asked = {"c": Fraction(-3)}, list[str]()
+
+    def decide(claim: str, changed: Mapping[str, Any], _: Budget) -> Verdict | None:
+        asked.append(claim)
+        return Verdict.REFUTED if changed["parameters"]["c"] == {"value": "-3"} else None
+
+    for claim, first in (("convexity", [fails]), ("normality", [])):
+        told = that_help(claim, law, frozenset(), None, lambda _: [fails], decide=decide, first=first, tried=tried)
+        assert told == ["--set c=-3 (then it is refuted)"]

@@ -20,7 +20,7 @@ import tests.oracles.prover.curvature as curvature_facts
 import tests.oracles.prover.polar as polar
 import tests.oracles.prover.polar_form as polar_facts
 import tests.oracles.prover.polyhedral as polyhedral
-from duhem import POSITIVE, Criterion, Domain, Verdict
+from duhem import POSITIVE, Criterion, Domain, Verdict, verify
 from duhem.derivation.support_function import SupportFunction
 from duhem.expression import Norm
 from duhem.proof.decide import Answer, Sense
@@ -385,3 +385,11 @@ def test_a_consequence_stands_as_what_it_rests_on(premise: Trust) -> None:
     confirmations = Confirmations(law, standings={"convexity": Standing(premise)})
     standing = confirmations.of("normality", Evidence(Verdict.PROVED, "anything (smt-z3)", ""), ["convexity"])
     assert standing is not None and standing.trust is premise
+
+
+def test_no_rule_is_named_that_did_not_prove_it() -> None:
+    """K is star-shaped and not convex: the boundary is smooth by Euler's relation, and not because g is convex."""
+    law = Criterion("star", "a**4 - 5*a**2*b**2 + b**4 + c**4 - 1", forces=("a", "b", "c"), pressure=None)
+    offered = {rule: Evidence(Verdict.PROVED, rule, "", proof=Proof(rule)) for rule in ("composition", "euler")}
+    assert [Confirmations(law).confirms("smoothness", evidence) for evidence in offered.values()] == [False, True]
+    assert verify(law, claims=["smoothness"])["smoothness"].method == "euler"

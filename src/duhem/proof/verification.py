@@ -442,8 +442,8 @@ class Confirmations:
         yield from sorted(offers, key=lambda offer: not self._needed(claim, offer) <= checked)
 
     def _accepted(self, claim: str, offered: Proof | None) -> Proof | None:
-        """The proof that the kernel accepts: the one that is offered, or by a rule that needs no evidence."""
-        offers = [*([] if offered is None else [offered]), *self._in_order(claim)]
+        """The proof that the kernel accepts: the one that is offered; where none is, by a rule that needs no evidence."""
+        offers = self._in_order(claim) if offered is None else (offered,)
         return next((offer for offer in offers if self._accepts(claim, offer, _MOST_STEPS)), None)
 
     def _accepts(self, claim: str, offer: Proof, steps: int, as_written: bool | None = None) -> bool:

@@ -65,13 +65,14 @@ class Attempts:
     """What was tried of one law for all its open claims: each claim of each changed law once, within so many ``steps``.
 
     ``answers`` say whether the kernel proves a claim of a changed law, ``verdicts`` are those of everything that decides.  What ``helped``
-    one claim is tried first of the next.
+    one claim, and the values at which one was found to be ``failing``, are tried first of the next.
     """
 
     steps: int = _IN_ALL
     answers: dict[str, dict[str, bool]] = field(default_factory=dict)
     verdicts: dict[tuple[str, str], Verdict | None] = field(default_factory=dict)
     helped: dict[str, Text] = field(default_factory=dict)
+    failing: list[Choice] = field(default_factory=list)
 
 
 def that_help(
@@ -85,7 +86,9 @@ def that_help(
     empty K much is proved.  ``forms`` are other forms of g with the same K.  At the values that are tried ``first`` the claim may fail.
     """
     asked = _Asked(claim, law, settled, decide, tried or Attempts())
-    refuted = [_refuted("", choice) for choice in first if asked.decided(_with(law, choice)) is Verdict.REFUTED]
+    fails = next((x for x in (*first, *asked.tried.failing) if asked.decided(_with(law, x)) is Verdict.REFUTED), None)
+    asked.tried.failing += [] if fails is None else [fails]
+    refuted = [] if fails is None else [_refuted("", fails)]
     helped = asked.tried.helped.items()
     again = [told for told, changed in helped if asked(changed)]
     if again := again or [told for told, changed in helped if claim != "duality" and asked.decided(changed) is Verdict.PROVED]:
@@ -285,6 +288,7 @@ def _fixed(
         for form in (None, *forms[:1]) if values else forms[:_MOST_FORMS]:
             verdict = settles(_changed(law, form, values))
             if verdict is Verdict.REFUTED:
+                asked.tried.failing += [] if form else [values]
                 return [_refuted(form.told if form else "", values)]
             if verdict and (not values or (_inhabits(values, law) and next(iter(choices([values])), None) == values)):
                 return [_with_fewest(law, form, values, part, asked)]
