@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 import pytest
 
-from duhem import POSITIVE, Criterion, Domain, Verdict, YieldSurface, verify
+from duhem import POSITIVE, Criterion, Domain, InputError, Verdict, YieldSurface, verify
 from duhem.proof.kernel.bounds import NEGATIVE, ZERO, Bounds
 from duhem.proof.kernel.bounds import POSITIVE as ABOVE
 from duhem.proof.kernel.curvature import over
@@ -109,3 +109,33 @@ def test_signs_of_roots_and_squares(text: str, sign: int) -> None:
     x, y, z, f = (*10.0 ** rng.uniform(-2, 2, (3, 2000)), rng.uniform(-0.99, 0.99, 2000))
     seen = eval(text, {"where": np.where, "sqrt": np.sqrt}, {"x": x, "y": y, "z": z, "f": f})
     assert np.all((seen > -1e-9) | bool(found & NEGATIVE)) and np.all((seen < 1e-9) | bool(found & ABOVE))
+
+
+# -- what constraints say of a divisor ------------------------------------------------------------------------------------
+
+ANY = {"m": Domain(), "n": Domain()}
+RANGES = {"m": Domain.between(0, 1), "n": Domain.between(0, 1)}
+
+
+@pytest.mark.parametrize(
+    ("divisor", "constraint", "known", "true"),
+    [
+        ("(m*n)", "m*n >= 1", ANY, True),
+        ("(m*n)", "m*n >= 0", ANY, False),
+        ("(m - 3)**2", "(m - 3)**2 >= 1", ANY, True),
+        ("(m - 3)**2", "(m - 2)**2 >= 1", ANY, False),
+        ("cos(m + n)", "m + n < pi/2", RANGES, True),
+        ("cos(m + n)", "m + n < pi", RANGES, False),
+        ("(pi*n - m)", "m < pi*n", RANGES, True),
+        ("(3*n - m)", "m < pi*n", RANGES, False),
+    ],
+)
+def test_a_divisor_that_a_constraint_keeps_from_0(divisor: str, constraint: str, known: Mapping[str, Domain], true: bool) -> None:
+    divided = law(f"norm(a, b)/{divisor} - k", parameters={**known, "k": POSITIVE}, constraints=(constraint,))
+    try:
+        found = verify(divided, claims=["origin"])
+    except InputError as fault:  # it is 0 at values that are admitted
+        assert not true and "which is 0" in fault.what
+    else:
+        assert (found["origin"].verdict is Verdict.PROVED) is true
+        assert any("could not show that g has a value" in remark for remark in found.remarks) is not true

@@ -63,7 +63,8 @@ def sign_of_constant(term: Term, known: Sign, domain: StatedDomain) -> Sign:
     """What is left of the ``known`` signs, which its parts leave to a constant."""
     if known not in _ONE_SIGN and (term.op in _WAVES or not term.names() - {"pi"}):
         known &= sign_over(term, domain.bounds, domain.kept.setdefault("enclosed", {}))
-    if term.large or known in _ONE_SIGN or term.op not in ("+", "*", "name"):
+    bounded = term.op == "**" and any(term in c.parts() for c in domain.law.constraints)
+    if term.large or known in _ONE_SIGN or not (bounded or term.op in ("+", "*", "name")):
         return known
     if (sign := _of_sum_with_a_size(term, domain)) != ANY:
         return known & sign

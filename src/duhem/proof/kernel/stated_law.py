@@ -64,7 +64,7 @@ def declared(given: Mapping[str, Any], others: tuple[str | None, ...], formulas:
     if len(set(names)) < len(names):
         raise NotWritten("a name is declared twice")
     constraints = tuple(parse(text) for text in as_list(given["constraints"]))
-    if any(c.op not in COMPARISONS or not c.names() <= set(parameters) for c in constraints):
+    if any(c.op not in COMPARISONS or not c.names() <= {*parameters, "pi"} for c in constraints):
         raise NotWritten("a constraint does not compare parameters")
     fixed = {Term("name", name=n): number(x.low) for n, x in parameters.items() if x.low is not None and x.low == x.high}
     return forces, parameters, tuple(c.put(fixed) for c in constraints), fixed
