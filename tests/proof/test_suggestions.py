@@ -207,6 +207,7 @@ def test_a_factor_that_depends_on_the_lode_angle_is_divided_by(value: str) -> No
     assert verify(after, claims=["convexity"])["convexity"].verdict is Verdict.PROVED
 
 
+@pytest.mark.long
 def test_ranges_of_both_forces_are_suggested_in_which_enclosures_show_that_k_is_convex() -> None:
     """For all values of bounded parameters; the ranges hold K: no point of it, as rays from zero force find it, lies outside."""
     wave = law("a**2 + b**2*(1 + e*tanh(a)) + h*sin(a)*b - 1", {"e": Domain.between("-3/10", "3/10"), "h": Domain.between(0, "1/5")})

@@ -71,6 +71,7 @@ def test_regions_are_exact(name: str) -> None:
     assert duhem.recheck(done.certificate()).ok
 
 
+@pytest.mark.long
 def test_scales_are_set_to_one() -> None:
     done = duhem.region("matchstick")
     assert done.scales == ("mu_b",) and done.condition == "sqrt(2)/2 <= mu_a and mu_a <= sqrt(2)"
@@ -150,7 +151,8 @@ def harmonic(n: int) -> str:
     return str(sp.expand(sp.re(sp.expand((x + sp.I * y) ** n))))
 
 
-@pytest.mark.parametrize("seed", mostly_long(range(12), 4))
+@pytest.mark.long
+@pytest.mark.parametrize("seed", range(12))
 def test_two_harmonics(seed: int) -> None:
     """r = 1 + a cos(n theta) + e cos(m theta) at many e, against r^2 + 2 r'^2 - r r'' at many angles."""
     draw = random.Random(seed)
@@ -388,6 +390,7 @@ def test_the_root_of_a_short_quadratic_is_none_of_a_fraction(x: str, found: bool
     assert (square_root_near(near - Fraction(1, 10**9), near + Fraction(1, 10**9)) is not None) is found
 
 
+@pytest.mark.long
 def test_stretches_that_are_seen_are_asked_by_themselves_before_gaps_are_halved() -> None:
     """Of the matchstick nothing is proved while its scale is free: that is seen without halving gaps, and without whole verifications."""
     asked = Asked(duhem.load("matchstick"), "convexity", ("mu_a",))

@@ -66,8 +66,8 @@ class Obligation(NamedTuple):
 
     def met(self, shown: Callable[[sp.Expr, Sense, tuple[sp.Basic, ...]], bool]) -> bool:
         """Return whether the obligation, or every one of its alternatives, is met; ``shown`` tells whether an expression has a sign."""
-        either = ((self.expr, Sense.POSITIVE), (-self.expr, Sense.POSITIVE)) if self.sense is Sense.ZERO else ()
-        if not any(e.has(*UNDEFINED) for e in (self.expr, *self.given)) and any(shown(*one, self.given) for one in (self.asked, *either)):
+        ways = [self.asked, *((side * self.expr, Sense.POSITIVE) for side in (1, -1) if self.sense is Sense.ZERO)]
+        if not any(e.has(*UNDEFINED) for e in (self.expr, *self.given)) and any(shown(*way, self.given) for way in ways):
             return True
         return bool(self.instead) and all(other._replace(given=self.given).met(shown) for other in self.instead)
 
