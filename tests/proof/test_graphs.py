@@ -25,6 +25,7 @@ from duhem.proof.kernel.claims import objection, rules_of
 from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.kernel.steps import TooDearError, within
 from duhem.proof.kernel.term import NotWritten, definitions
+from tests.long import mostly_long
 from tests.oracles import reevaluation
 from tests.proof.networks import Network
 
@@ -351,7 +352,7 @@ DRAWN = [
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("most", [6, 20_000])
+@pytest.mark.parametrize("most", mostly_long([6, 20_000], 6))
 def test_what_is_proved_of_drawn_graphs_is_so(most: int, monkeypatch: pytest.MonkeyPatch) -> None:
     """Also where nearly all of them count as too large for a tree."""
     monkeypatch.setattr(term, "_MOST_PARTS", most)

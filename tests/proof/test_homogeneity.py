@@ -212,7 +212,7 @@ _TERM = st.sampled_from([
 _SCALE = st.sampled_from(["m*", "-m*", "e*", "-e*", "(1 - e)*", "q*", ""])  # 0 and both signs among them
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @settings(max_examples=12, deadline=None, derandomize=True)
 @given(
     terms=st.lists(st.tuples(_SCALE, _TERM, st.sampled_from(["", f"*(1 + e*{LODE}/2)"])), min_size=1, max_size=3),

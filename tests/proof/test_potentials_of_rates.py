@@ -60,7 +60,7 @@ def test_what_refutes_a_potential_says_what_k_is() -> None:
     assert "none is looked for of the conjugate" in found["duality"].detail
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_a_potential_without_a_value_is_not_refuted_there() -> None:
     bent = viscous("a**2 + b**2 + where(a < 0, -10, 1)*(log(a) - log(a) + 0*a) - 4*neg(a)**2 + sqrt(a)*0")
     found = duhem.verify(bent, claims=["convexity"], effort="quick")["convexity"]

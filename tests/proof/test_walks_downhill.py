@@ -30,6 +30,7 @@ def test_the_margin_after_a_walk_is_below_that_of_the_scouts() -> None:
     assert known["F266"] < known["F66"] and 0 <= known["F166"] <= Fraction(1, 10)
 
 
+@pytest.mark.long
 def test_a_law_that_is_convex_at_the_plain_choices_alone_is_refuted() -> None:
     found = verify(WOOD, claims=["convexity", "normality"])
     assert found["convexity"].verdict is found["normality"].verdict is Verdict.REFUTED

@@ -194,6 +194,7 @@ def test_chords_refute_parts_and_what_is_between_stays_open() -> None:
     assert not any(one and two for one, two in pairwise(opens))  # what stays open is one cell
 
 
+@pytest.mark.long
 def test_what_is_not_shown_is_open() -> None:
     odd = duhem.Criterion(name="odd", pressure=None, g="exp(sigma_a**2*sigma_b**2*e) + sigma_a**2 + sigma_b**2 - 2",
                           parameters={"e": duhem.Domain.between(0, 40)})  # fmt: skip

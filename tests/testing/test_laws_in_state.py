@@ -99,7 +99,7 @@ def cone(alpha: float, early: float = 0.0, share: float = 1.0) -> Material:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("alpha", long_but([0, 1], [0.1, 1.0, 5.0]))
+@pytest.mark.parametrize("alpha", long_but([1], [0.1, 1.0, 5.0]))
 def test_at_a_tip_the_law_has_many_flows(alpha: float) -> None:
     given: dict[str, Any] = {"parameters": {"alpha": alpha, "c": 1.0}, **FEW, "max_examples": 6, "rows": 30}
     report = conformance(CONE, cone(alpha), **given)
