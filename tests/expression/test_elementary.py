@@ -11,6 +11,7 @@ import pytest
 import sympy as sp
 
 from duhem.expression.elementary import ELEMENTARY, Elementary, array_function, imports, on_arrays
+from tests.oracles.prover.decide import SIGNS
 
 EACH = pytest.mark.parametrize("word", ELEMENTARY.values(), ids=lambda word: word.name)
 
@@ -31,8 +32,8 @@ def test_signs_and_slopes(word: Elementary) -> None:
     assert not word.increasing or min(rises) > 0
     assert word.curvature != "convex" or min(bends) > 0
     assert word.curvature != "concave" or max(bends) < 0
-    if word.sign_change and not word.poles:
-        value, place, sense = word.sign_change
+    if word.name in SIGNS and not word.poles:
+        value, place, sense = SIGNS[word.name]
         assert all((f > value) == (sense * (x - place) > 0) for x, f in zip(points(word), values(word), strict=True))
     assert word.analytic == (word.name not in ("log", "tan", "asin", "acos"))
 

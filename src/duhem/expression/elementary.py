@@ -40,7 +40,6 @@ class Elementary:
     domain: tuple[float, float] = _EVERYWHERE  # two finite ends belong to it, the one end of a half line does not
     far: tuple[float, float] | None = None  # the limits at -inf and inf, nan where there is none; None where f is worked out at any x
     poles: bool = False
-    sign_change: tuple[int, int, int] | None = None  # (b, a, s): f(x) - b has the sign of s (x - a)
     curvature: Literal["convex", "concave"] | None = None  # on the domain
     increasing: bool = False
     atom: Callable[[Any, Any], Any] | None = None  # from the module cvxpy and an argument
@@ -73,7 +72,6 @@ def _arc(node: type, meaning: str, sense: int) -> Elementary:
         f"where({end} < 1.0, where({{e}} == 0.0, 0.0, {steep}), 2.3 * sqrt({{e}}))",
         numpy=f"arc{node.__name__[1:]}",
         domain=(-1.0, 1.0),
-        sign_change=(0, 0, 1) if sense > 0 else (0, 1, -1),
     )
 
 
@@ -87,28 +85,28 @@ _TURN = "tan(minimum({e}, 1.5))"
 _ALL = (
     _word(
         sp.exp, "exponential", "{v}", "{v}", "{v} * expm1({e})",
-        far=(0.0, inf), sign_change=(1, 0, 1), curvature="convex", increasing=True, atom=lambda cp, x: cp.exp(x),
+        far=(0.0, inf), curvature="convex", increasing=True, atom=lambda cp, x: cp.exp(x),
     ),
     _word(
         sp.log, "natural logarithm", "1.0 / {x}", "-{s} * {s}", "where({x} > {e}, -log1p(-{e} / {x}), inf)",
-        domain=(0.0, inf), sign_change=(0, 1, 1), curvature="concave", increasing=True, atom=lambda cp, x: cp.log(x),
+        domain=(0.0, inf), curvature="concave", increasing=True, atom=lambda cp, x: cp.log(x),
     ),
     _of_angle(sp.sin, "sine (rad)", "cos({x})"),
     _of_angle(sp.cos, "cosine (rad)", "-sin({x})"),
     _word(
         sp.tan, "tangent (rad)", "1.0 + {v} * {v}", "2.0 * {v} * {s}",
         f"where(({{e}} < 1.5) & (abs({{v}}) * {_TURN} < 1.0), {_TURN} * (1.0 + {{v}} * {{v}}) / (1.0 - abs({{v}}) * {_TURN}), inf)",
-        far=(nan, nan), poles=True, sign_change=(0, 0, 1),
+        far=(nan, nan), poles=True,
     ),
     _arc(sp.asin, "arc sine (rad) of a number between -1 and 1", 1),
     _arc(sp.acos, "arc cosine (rad) of a number between -1 and 1", -1),
     _word(
         sp.atan, "arc tangent (rad)", "1.0 / (1.0 + {x} * {x})", "-2.0 * {x} * {s} * {s}", "{e}", numpy="arctan",
-        sign_change=(0, 0, 1), increasing=True,
+        increasing=True,
     ),
     _word(
         sp.sinh, "hyperbolic sine", "cosh({x})", "{v}", _steep("cosh"),
-        far=(-inf, inf), sign_change=(0, 0, 1), increasing=True, series=lambda x: (x.exp() - (-x).exp()) / 2,
+        far=(-inf, inf), increasing=True, series=lambda x: (x.exp() - (-x).exp()) / 2,
     ),
     _word(
         sp.cosh, "hyperbolic cosine", "sinh({x})", "{v}", _steep("sinh"), far=(inf, inf), curvature="convex",
@@ -116,7 +114,7 @@ _ALL = (
     ),
     _word(
         sp.tanh, "hyperbolic tangent", "1.0 - {v} * {v}", "-2.0 * {v} * {s}", "{e}",
-        far=(-1.0, 1.0), sign_change=(0, 0, 1), increasing=True, series=lambda x: 1 - 2 / ((2 * x).exp() + 1),
+        far=(-1.0, 1.0), increasing=True, series=lambda x: 1 - 2 / ((2 * x).exp() + 1),
     ),
 )  # fmt: skip
 

@@ -24,11 +24,14 @@ from duhem.proof.decide import Answer, Budget, Question, Sense
 from duhem.proof.decide.question import NEAR_RIGHT, Obligation, bounds, obligations
 from duhem.proof.facts.formula_subject import FormulaSubject
 
-__all__ = ["AskedSubject", "Relation", "System", "by_smt", "counted", "decide", "polynomial_system"]
+__all__ = ["SIGNS", "AskedSubject", "Relation", "System", "by_smt", "counted", "decide", "polynomial_system"]
 
 _STEPS = 8_000_000  # for a question that belongs to no claim
 _AT_SIGHT = {Sense.NONNEGATIVE: "is_nonnegative", Sense.POSITIVE: "is_positive", Sense.ZERO: "is_zero"}
-_SIGNS = {word.node: word.sign_change for word in ELEMENTARY.values() if word.sign_change}
+SIGNS = {  # (b, a, s): f(x) - b has the sign of s (x - a)
+    **dict.fromkeys(("tan", "atan", "sinh", "tanh", "asin"), (0, 0, 1)), "exp": (1, 0, 1), "log": (0, 1, 1), "acos": (0, 1, -1),
+}  # fmt: skip
+_SIGNS = {ELEMENTARY[name].node: change for name, change in SIGNS.items()}
 
 
 class AskedSubject(FormulaSubject):
