@@ -30,7 +30,10 @@ from duhem.expression.number import DECIMAL
 from duhem.expression.syntax import PlacedText, expression_tree, spelled
 from duhem.expression.vocabulary import nested
 
-__all__ = ["INVARIANTS", "KINDS", "NONE", "Abbreviations", "Indexed", "Stress", "WrittenOut", "component", "names_in"]
+__all__ = [
+    "INVARIANTS", "KINDS", "MOST_CHARACTERS", "MOST_DEPTH", "NONE", "Abbreviations", "Indexed", "Stress", "WrittenOut", "component",
+    "names_in",
+]  # fmt: skip
 
 KINDS: Mapping[str, tuple[str, ...]] = {
     "3d": ("xx", "yy", "zz", "yz", "xz", "xy"),

@@ -1,7 +1,7 @@
 """The wedge micro-model as a derivation: from Coulomb's law on the sides to asymmetric coefficients, nothing stored.
 
 What it claims is proved for every slope, local coefficient, spring bed and distribution of heights.  Each answer is an
-:class:`duhem.proof.verdict.Evidence`: an identity by cancelling, a sign by the deciders of duhem.proof.decide.
+:class:`duhem.proof.verdict.Evidence`: an identity by cancelling, a sign by duhem.proof.decide.
 Source: Antoni, Ligier, Saffré, Pastor (2007), section 2.2, Eqs. (2)-(20); of the proofs Eqs. (13)-(18) and the remark after (18).
 """
 
@@ -141,7 +141,7 @@ def _identity(gap: sp.Expr, detail: str) -> Evidence:
 
 
 def _decided(questions: Sequence[Question], detail: str, otherwise: str) -> Evidence:
-    """Proved by the deciders if every question is answered with yes."""
+    """Proved if every question is answered with yes."""
     answers = [decide(question) for question in questions]
     if any(answer.holds is not True for answer in answers):
         return _open(otherwise)

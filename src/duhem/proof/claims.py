@@ -237,6 +237,7 @@ _ALL = (
             CHEAP,
             WITHOUT_K,
             Finder(FormulaSubject, evidence.smoothness_by_sums),
+            Finder(FormulaSubject, evidence.smoothness_of_an_interval),
             SPELLED_OTHERWISE,
             ProofMethod(FormulaSubject, refuters.smoothness_at_sharp_points, again=True),
             ProofMethod(FormulaSubject, refuters.smoothness_at_corners, again=True),

@@ -48,7 +48,6 @@ __all__ = [
 _TURN = RLock()
 _BITS = 53  # what Arb starts with
 _SHARE = 4  # such a part of the steps left may go to a claim that another rests on
-_SOLVERS = ("smt", "z3")  # in the brackets of a method's name
 _MOST_STEPS = 20_000_000  # for a proof that somebody offers
 _OVER_ALL = "over the whole domain of the law, of which this is a part"
 

@@ -22,8 +22,8 @@ def recheck(certificate: str, law: str | None, settings: Sequence[str]) -> int:
     """Check the proofs in CERTIFICATE again, with the kernel alone.
 
     duhem verify LAW --certificate FILE writes a certificate. The kernel is a small program that uses neither SymPy nor a solver, and
-    no other part of duhem. The output shows the law of the certificate, and one row per claim. With
-    --law and --set you state which law you expect.
+    no other part of duhem. The output shows the law of the certificate, and one row per claim. With --law and --set you state which law
+    you expect.
 
     Exit codes: 0 if the kernel confirms everything that the certificate calls proved; 1 if a proof fails or the certificate is about
     another law; 3 if no proof fails, but some proofs rely on a prover or solver because the kernel has no rule for them.

@@ -59,7 +59,7 @@ class Subject:
         return self._spent + self.budget.spent
 
     def decided(self, question: Question) -> Answer:
-        """The deciders' answer; where it leaves the question open, it is kept if all the steps of a question were to be had."""
+        """The answer; where it leaves the question open, it is kept if all the steps of a question were to be had."""
         if (known := self._answers.get(question)) is not None:
             return known
         part = self.budget.part(self._question_steps)

@@ -155,10 +155,9 @@ def flow(law: StatedLaw) -> str:
     """Every slip of the law's own, that of a surface where the others are <= 0; or every force where these are functions of the rates."""
     if not law.surfaces:
         return _everywhere("a force" if law.of_rates else "the flow", law.flow or (), within_ranges(law))
-    places = (within_ranges(law).where({minus(other): False for other in face.others}) for face in law.faces())
-    return next(
-        filter(None, (_everywhere("the flow", face.flow or (), there) for face, there in zip(law.faces(), places, strict=True))), ""
-    )
+    places = ((face.flow or (), {minus(other): False for other in face.others}) for face in law.faces())
+    said = (_everywhere("the flow", flow, within_ranges(law).where(sides)) for flow, sides in places)
+    return next(filter(None, said), "")
 
 
 def formula_and_flow(law: StatedLaw) -> str:

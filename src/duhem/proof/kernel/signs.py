@@ -9,7 +9,7 @@ with n its degree, (1 + u)^n P is a polynomial in u whose coefficients are P's B
 variable itself is left to Sturm's theorem.
 
 What is shown of the parts of a constant comes first.  If that leaves its sign open, the rules are asked in this order, the cheap ones
-first; all but the first are for sums, products and names:
+first; all but the first are for sums, products, names, and powers as they stand in a constraint:
 
 1. a number that no parameter enters, and a wave over the ranges of its parameters, is enclosed (:mod:`constant_value`);
 2. a sum with |x| or a ramp has the signs of both sums that it may be, and one with a root is compared with its rest by squares;
@@ -63,8 +63,8 @@ def sign_of_constant(term: Term, known: Sign, domain: StatedDomain) -> Sign:
     """What is left of the ``known`` signs, which its parts leave to a constant."""
     if known not in _ONE_SIGN and (term.op in _WAVES or not term.names() - {"pi"}):
         known &= sign_over(term, domain.bounds, domain.kept.setdefault("enclosed", {}))
-    bounded = term.op == "**" and any(term in c.parts() for c in domain.law.constraints)
-    if term.large or known in _ONE_SIGN or not (bounded or term.op in ("+", "*", "name")):
+    constrained = term.op == "**" and any(term in c.parts() for c in domain.law.constraints)
+    if term.large or known in _ONE_SIGN or not (constrained or term.op in ("+", "*", "name")):
         return known
     if (sign := _of_sum_with_a_size(term, domain)) != ANY:
         return known & sign

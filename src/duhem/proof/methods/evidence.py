@@ -29,12 +29,12 @@ from duhem.proof.verdict import Evidence, Proof, Verdict
 __all__ = [
     "convexity_by_sums", "convexity_in_a_box", "convexity_on_boundary", "dissipation_by_identities", "dissipation_by_shares",
     "dissipation_in_a_box", "dissipation_of_potential", "duality", "normality_parallel", "smoothness_by_identities", "smoothness_by_sums",
-    "smoothness_in_a_box", "state_laws_not_stated", "without_heat",
+    "smoothness_in_a_box", "smoothness_of_an_interval", "state_laws_not_stated", "without_heat",
 ]  # fmt: skip
 
 Terms = Mapping[sp.Expr, sp.Expr]  # what depends on the forces, and its coefficient
 _MOST_ROOTS, _MOST_SHARES = 4, 6
-_PLACES = ("1/2", "-1/2", "2", "-2", "1/10", "-1/10")  # on a line
+_PLACES = ("1/2", "-1/2", "2", "-2", "1/10", "-1/10")  # at which g may be < 0 on a line
 
 
 def _offered(rule: str, detail: str, evidence: Mapping[str, Any], method: str | None = None) -> Evidence:
@@ -55,8 +55,6 @@ def smoothness_by_sums(subject: FormulaSubject) -> Iterator[Evidence]:
     sums, support = composed_of_sums(subject), subject.support
     centre = {} if support is None else {x: formula(c) for x, c in zip(subject.law.forces, support.centre, strict=True)}
     inside = {"inside": centre} if support is not None and any(support.centre) else {}
-    for place in _PLACES if len(subject.law.forces) == 1 else ():
-        yield _offered("one-dimensional", f"K is an interval around {place}", {"inside": {subject.law.forces[0]: place}})
     told = "g is C^1 wherever g = 0, and grad g != 0 there because g is convex"
     if inside:
         yield _offered("composition", f"{told} and negative at ({', '.join(centre.values())})", {**inside, **sums})
@@ -64,6 +62,12 @@ def smoothness_by_sums(subject: FormulaSubject) -> Iterator[Evidence]:
         yield _offered("composition", f"{told}, by sums of squares, and negative at 0", sums, "sos-convexity")
         detail = "g is C^1 wherever g = 0, and sigma . grad g > 0 there by Euler's relation, so that grad g != 0"
         yield _offered("euler", detail, sums)
+
+
+def smoothness_of_an_interval(subject: FormulaSubject) -> Iterator[Evidence]:
+    """A convex K on a line has two ends, each with one normal, if it has an inside: g may be negative beside zero force alone."""
+    for place in _PLACES if len(subject.law.forces) == 1 else ():
+        yield _offered("one-dimensional", f"K is an interval around {place}", {"inside": {subject.law.forces[0]: place}})
 
 
 def convexity_on_boundary(subject: FormulaSubject) -> Iterator[Evidence]:

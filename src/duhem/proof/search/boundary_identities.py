@@ -43,10 +43,10 @@ def outward(subject: FormulaSubject) -> Identities:
     forms, found, state = _Forms.of(subject), list[Mapping[str, Any]](), subject.state
     for face in faces(subject.law):
         for g, flow, where in _smooth(forms, face if state is None else face._replace(flow=(state.power,))):
-            if face.flow is not None and (g is None or None in flow):
-                continue  # signs may show it
             if g is None or None in flow:
-                return ()
+                if face.flow is None:
+                    return ()
+                continue  # signs may show it
             power: Any = flow[0] if state is not None else forms.along(forms.forces, flow or [g.diff(x) for x in forms.forces])
             known = forms.everywhere(-power, ">=" if face.flow is None else ">", g, where)
             if not known:

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import math
 import random
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from fractions import Fraction
 from itertools import chain, islice, product
 from typing import Any
@@ -116,14 +116,15 @@ def section_corners(subject: FormulaSubject, parameters: Values, drawn: bool = T
 
     Unless ``drawn``, in planes across a switch of the formula alone.  Two forces have one plane.
     """
-    forces = subject.simple.forces
     price = _STEPS * sp.count_ops(subject.simple.g)
-    kinked = subject.simple.g.has(*KINKS, EigMax)
-    tips, planes = _tips(subject, parameters) if drawn else (), _planes(subject, parameters, price, drawn) if kinked else ()
-    if len(forces) == 2:
-        whole = PlaneSection.whole((forces[0], forces[1]))
-        tips, planes = (), ((whole, _turns(subject, parameters, whole)) for _ in range(subject.budget.pays(price)))
-    for section, places in chain(tips, planes):
+    found: Iterable[tuple[PlaneSection, Iterable[Sequence[float]]]]
+    if len(subject.simple.forces) == 2:
+        whole = PlaneSection.whole(subject.simple.forces)
+        found = [(whole, _turns(subject, parameters, whole))] if subject.budget.pays(price) else []
+    else:
+        kinked = subject.simple.g.has(*KINKS, EigMax)
+        found = chain(_tips(subject, parameters) if drawn else (), _planes(subject, parameters, price, drawn) if kinked else ())
+    for section, places in found:
         for place in places:
             if not subject.budget.pays(price):
                 return

@@ -35,7 +35,7 @@ __all__ = ["holds_a_place", "keeps_k", "named_around", "same_points", "short", "
 _MOST = 4  # parts in one formula, and ways to choose each
 _CHOICES, _DRAWN, _MOVES = 2, 24, 30  # of parameters; of places, and around each; to a zero of a size
 _NEAR, _TINY, _SAME, _ROUNDING = 1e-6, 1e-11, 1e-3, 1e-9
-_MANY, _SCALES = 4000, (0.9, 0.99, 0.999, 1.001, 1.01, 1.1)  # points of many sizes; times points of the boundary
+_SCALES = (0.9, 0.99, 0.999, 1.001, 1.01, 1.1)  # times points of the boundary
 _ZERO, _ONE = number(0), number(1)
 _OF_DEGREE_ONE = ("abs", "norm", "pos", "neg", "max", "min")  # of what is multiplied by a size they are multiplied by it
 

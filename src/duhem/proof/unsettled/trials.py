@@ -87,7 +87,8 @@ def that_help(
     """
     asked = _Asked(claim, law, settled, decide, tried or Attempts())
     fails = next((x for x in (*first, *asked.tried.failing) if asked.decided(_with(law, x)) is Verdict.REFUTED), None)
-    asked.tried.failing += [] if fails is None else [fails]
+    if fails is not None and fails not in asked.tried.failing:
+        asked.tried.failing.append(fails)
     refuted = [] if fails is None else [_refuted("", fails)]
     helped = asked.tried.helped.items()
     again = [told for told, changed in helped if asked(changed)]
@@ -110,15 +111,15 @@ def that_help(
     known, asked.steps = [*choices(_choices(law))], _A_KIND
     narrow = known and not any(form.at_tip for form in forms()) and claim != "duality" and any(asked(_with(law, x)) for x in known[:2])
     fixed = partial(_fixed, law, forms(), part, known, choices, asked)
-    if found := (narrow and _narrowed(law, sorted(known[0]), known, {}, asked)) or fixed(asked.by_rules, False):
+    if found := (narrow and _narrowed(law, sorted(known[0]), known, {}, asked)) or fixed(thorough=False, off=False):
         return found
     asked.steps, asked.kept = _A_KIND, asked.kept + _A_KIND // 2
     beside = (told for told, changed in _beside_tips(law, part, forms()) if asked(changed)) if claim == "smoothness" else ()
-    if found := [*islice(beside, 1)] or first_of(_one_sided(law)) or fixed(asked.decided, False):
+    if found := [*islice(beside, 1)] or first_of(_one_sided(law)) or fixed(thorough=True, off=False):
         return found
     boxed, wide = _boxed(law, known[:_MOST_BOXED] or ({},), ranges, asked)
     asked.kept -= _A_KIND // 2
-    gone = [] if wide else fixed(asked.by_rules, True) or fixed(asked.decided, True)  # which says least, but for a small part of K
+    gone = [] if wide else fixed(thorough=False, off=True) or fixed(thorough=True, off=True)  # which says least, but for a small part of K
     return gone or [asked.keep(*each) for each in boxed]
 
 
@@ -274,16 +275,17 @@ def _beside_tips(law: Text, part: frozenset[str], forms: Sequence[Rewriting]) ->
 
 def _fixed(
     law: Text, forms: Sequence[Rewriting], part: frozenset[str], known: Sequence[Choice], choices: Choices, asked: _Asked,
-    settles: Callable[[Text], Verdict | None], off: bool,
+    thorough: bool, off: bool,
 ) -> list[str]:  # fmt: skip
     """A form of g, or g with the fewest parameters fixed or narrowed, of which the claim is settled.
 
-    Where the values are ``off``, one of them is 0, and an effect is gone.
+    Where it is ``thorough`` everything that decides is asked, and else the rules.  Where the values are ``off``, one of them is 0, and an
+    effect is gone.
     """
     every = [values for values in _values(law, part, known) if (0 in values.values()) is off]
-    asked.steps = _A_KIND
-    if settles == asked.decided:
-        every, asked.steps = [*([] if off else [{}]), *every], (asked.tried.steps - asked.kept) // 2
+    settles = asked.decided if thorough else asked.by_rules
+    asked.steps = (asked.tried.steps - asked.kept) // 2 if thorough else _A_KIND
+    every = [{}, *every] if thorough and not off else every
     for values in every:
         for form in (None, *forms[:1]) if values else forms[:_MOST_FORMS]:
             verdict = settles(_changed(law, form, values))
