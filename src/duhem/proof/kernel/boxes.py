@@ -12,6 +12,10 @@ the slip may be any mean of the slopes on both sides, so that an interval for ea
 
 Parameters and the pressure are further sides of the box, by which nothing is differentiated.
 
+By the mean value theorem f lies in f(c) + f'(z) . (x - c) too, with c the middle of a part and z somewhere in it, and so do the slopes
+with the second derivatives.  With the width of the part the excess of these enclosures falls off as its square (the same): each part of
+a formula is narrowed by them before what stands around it is enclosed.
+
 The Taylor series of a polynomial of two forces about the middle of a part ends, so that g = sum_ij d_ij x^i y^j there, x and y being the
 distances from the middle, and term by term it is differentiated.  Enclosures of the terms are much narrower than those of the formula as
 it is written, in which large parts cancel (the same).  The coefficients d_ij are enclosed, as each step of Horner's scheme is.
@@ -33,7 +37,7 @@ from duhem.proof.kernel.gradient import gradient
 from duhem.proof.kernel.polynomial import ONE, Polynomial, times, total
 from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.kernel.steps import pay
-from duhem.proof.kernel.term import HALF, NotWritten, Term, number, parse, product_of, sum_of
+from duhem.proof.kernel.term import HALF, NotWritten, Term, minus, number, parse, product_of, sum_of
 
 __all__ = ["MOST_FORCES", "TaylorForm", "coefficients", "convex_in_its_box", "dissipates_in_its_box", "smooth_in_its_box"]
 
@@ -90,8 +94,8 @@ class TaylorForm:
         ways = [side.plus(middle.minus()) for side, middle in zip(box, middles, strict=True)]
         self.powers = [[way.power(n) for n in range(size)] for way in ways]
 
-    def value(self, _: Term) -> Enclosure:
-        return self._derivative(0, 0)
+    def sign(self, _: Term) -> Sign:
+        return self._derivative(0, 0).sign
 
     def of(self, _: Term) -> tuple[Enclosure, ...]:
         """The slopes by both forces; the second derivatives by the first alone, by both, by the second alone."""
@@ -121,7 +125,7 @@ def _shifted(row: list[Enclosure], middle: Enclosure) -> list[Enclosure]:
 # -- any formula in its box --------------------------------------------------------------------------------------------
 
 _MOST_BOXES, _FINEST, _NEARER = 20_000, 4096, 4  # the second for the least part of a side; places that are tried for c
-_PRICE, _ENTRIES = 7, 5  # steps for a part of g with its derivatives by two forces, so many, in a part of the box
+_PRICE, _ENTRIES = 10, 5  # steps for a part of g with its derivatives by two forces, so many, in a part of the box
 _SMOOTH = ("exp", "log", "sin", "cos", "tan", "sinh", "cosh", "tanh", "atan", "asin", "acos")
 _ZERO, _ONE = (Enclosure.between(Fraction(n), Fraction(n)) for n in range(2))
 _SLOPES = {"abs": (_ONE, _ONE.minus()), "pos": (_ONE, _ZERO), "neg": (_ZERO, _ONE.minus())}  # above 0, and below
@@ -175,15 +179,21 @@ def _shown_in_all_parts(law: StatedLaw, whole: dict[str, Enclosure], shown: Call
     with suppress(ValueError, ZeroDivisionError, NotWritten):
         of = coefficients(law.g, law.forces) if len(law.forces) == 2 and (law.associated or not kinked) else None
     n, boxes = len(law.forces), [whole]
+
+    def shown_in(box: _Box) -> bool:
+        for found in (False, True)[: 1 + kinked] if of is None else (False,):
+            pay(price)
+            with suppress(ValueError, ZeroDivisionError):  # a kink may be in the box
+                return shown(box, _Derivatives(law.forces, box, found) if of is None else TaylorForm(of, [box[x] for x in law.forces]))
+        return False
+
     price = _PRICE * sum(1 for _ in law.g.parts()) * (n + len(_pairs(n))) // _ENTRIES
     for _ in range(_MOST_BOXES):
         if not boxes:
             return True
         box = boxes.pop()
-        pay(price)
-        with suppress(ValueError, ZeroDivisionError):
-            if shown(box, _Derivatives(law.forces, box, kinked) if of is None else TaylorForm(of, [box[x] for x in law.forces])):
-                continue
+        if shown_in(box):
+            continue
         shares = {x: Fraction(box[x].high - box[x].low, whole[x].high - whole[x].low or 1) for x in whole}
         if (widest := max(shares.values())) * _FINEST < 1:
             return False
@@ -199,6 +209,14 @@ def _side(own: Bounds) -> Enclosure:
     return Enclosure.between(own.low, own.high)
 
 
+def _middle(side: Enclosure) -> Enclosure:
+    return Enclosure(middle := (side.low + side.high) // 2, middle)
+
+
+def _in_both(x: Enclosure, y: Enclosure) -> Enclosure:
+    return Enclosure(max(x.low, y.low), min(x.high, y.high))
+
+
 def _halves(side: Enclosure) -> tuple[Enclosure, Enclosure]:
     middle = (side.low + side.high) // 2
     return Enclosure(side.low, middle), Enclosure(middle, side.high)
@@ -206,7 +224,7 @@ def _halves(side: Enclosure) -> tuple[Enclosure, Enclosure]:
 
 def _curves_about(law: StatedLaw, c: _Box, box: _Box, found: _Found) -> bool:
     """Whether g keeps a sign in a part of the box, which is < 0 at c, or the boundary rises from c and curves towards it."""
-    if (sign := found.value(law.g).sign) in (NEGATIVE, POSITIVE):
+    if (sign := found.sign(law.g)) in (NEGATIVE, POSITIVE):
         return sign == NEGATIVE or any(c[x].high < box[x].low or c[x].low > box[x].high for x in c)
     n, jet = len(law.forces), found.of(law.g)
     away = [box[x].plus(c[x].minus()) for x in law.forces]
@@ -234,14 +252,14 @@ def _curves(slopes: Sequence[Enclosure], bends: Mapping[tuple[int, int], Enclosu
 
 def _has_a_slope(law: StatedLaw, _: _Box, found: _Found) -> bool:
     """Whether g keeps a sign in a part of the box, or one of its slopes does."""
-    if found.value(law.g).sign in (NEGATIVE, POSITIVE):  # it may have no slopes there
+    if found.sign(law.g) in (NEGATIVE, POSITIVE):  # it may have no slopes there
         return True
     return any(not slope.sign & ZERO for slope in found.of(law.g)[: len(law.forces)])
 
 
 def _dissipates(law: StatedLaw, box: _Box, found: _Found) -> bool:
     """Whether g keeps a sign in a part of the box, or the power is >= 0, and > 0 if the law is associated: then grad g is not 0."""
-    if found.value(law.g).sign in (NEGATIVE, POSITIVE):
+    if found.sign(law.g) in (NEGATIVE, POSITIVE):
         return True
     if law.associated:
         return _along(law, box, found.of(law.g)) == POSITIVE
@@ -270,7 +288,8 @@ class _Derivatives:
     Of what may be ``kinked`` they are slopes alone, and hold all means of those on the sides of each kink.
     """
 
-    def __init__(self, forces: Sequence[str], box: _Box, kinked: bool = False) -> None:
+    def __init__(self, forces: Sequence[str], box: _Box, kinked: bool = False, point: bool = False) -> None:
+        self.middle = None if point else _Derivatives(forces, {**box, **{x: _middle(box[x]) for x in forces}}, True, True)
         self.pairs = [] if kinked else _pairs(len(forces))
         self.still: _Jet = (_ZERO,) * (len(forces) + len(self.pairs))
         self.forces, self.box, self.kinked = [*forces], box, kinked
@@ -279,10 +298,31 @@ class _Derivatives:
     def value(self, term: Term) -> Enclosure:
         return enclosed(term, self.box, done=self.values)
 
+    def sign(self, term: Term) -> Sign:
+        """That of its values as they are enclosed without derivatives, which it may not have, and else with these."""
+        with suppress(ValueError, ZeroDivisionError):
+            if (known := self.value(term).sign) in (NEGATIVE, POSITIVE):
+                return known
+        self.of(term)
+        return self.value(term).sign
+
     def of(self, term: Term) -> _Jet:
         if term not in self.found:
-            self.found[term] = self._jet(term) if term.names() & {*self.forces} else self.still
+            self.found[term] = self._narrowed(term, self._jet(term)) if term.names() & {*self.forces} else self.still
         return self.found[term]
+
+    def _narrowed(self, term: Term, jet: _Jet) -> _Jet:
+        """The derivatives, with the slopes narrowed by the second ones; the value of the term is narrowed by the slopes."""
+        if self.middle is None or term.op == "name":
+            return jet
+        at, n = self.middle.of(term), len(self.forces)
+        away = [self.box[x].plus(self.middle.box[x].minus()) for x in self.forces]
+        bends, slopes = dict(zip(self.pairs, jet[n:], strict=True)), [*jet[:n]]
+        for i in range(n) if bends else ():
+            slopes[i] = _in_both(slopes[i], reduce(_plus, (_times(bends[min(i, j), max(i, j)], away[j]) for j in range(n)), at[i]))
+        self.values.pop(term, None)  # its parts are narrower now
+        self.values[term] = _in_both(self.value(term), reduce(_plus, map(_times, slopes, away), self.middle.value(term)))
+        return (*slopes, *jet[n:])
 
     def _jet(self, term: Term) -> _Jet:
         x = term.args[0] if term.args else term
@@ -315,6 +355,10 @@ class _Derivatives:
                 return self._among((gap if term.op == "max" else gap.minus()).sign, self.of(one), self.of(other))
             case "where":
                 return self.of(self.chosen(term))
+            case "atan2" if (right := self.value(term.args[1]).sign) == POSITIVE or self.value(x).sign in (NEGATIVE, POSITIVE):
+                y, x = term.args  # its slopes are those of atan(y/x), and of -atan(x/y)
+                one, other = (y, x) if right == POSITIVE else (minus(x), y)
+                return self.of(Term("atan", (product_of(one, Term("**", (other, number(-1)))),)))
             case op if op in _SMOOTH:
                 return self._chained(Term(op, (_X,)), x, {})
         raise ValueError(f"no derivative of {term.op}")
@@ -337,9 +381,9 @@ class _Derivatives:
 
     def _chained(self, outer: Term, inner: Term, done: dict[Term, Enclosure], exponent: Enclosure = _ONE) -> _Jet:
         """Of ``outer`` in x with the value of ``inner`` for x; what is ``done`` was enclosed before."""
+        n, jet = len(self.forces), self.of(inner)
         box = {_X.name: self.value(inner), _E.name: exponent}
         d, dd = (enclosed(each, box, done=done) for each in _derived(outer))
-        n, jet = len(self.forces), self.of(inner)
         squares = (jet[i].power(2) if i == j else _times(jet[i], jet[j]) for i, j in self.pairs)
         return (*(_times(d, p) for p in jet[:n]), *(_plus(_times(d, b), _times(dd, s)) for b, s in zip(jet[n:], squares, strict=True)))
 
