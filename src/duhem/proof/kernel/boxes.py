@@ -94,8 +94,11 @@ class TaylorForm:
         ways = [side.plus(middle.minus()) for side, middle in zip(box, middles, strict=True)]
         self.powers = [[way.power(n) for n in range(size)] for way in ways]
 
-    def sign(self, _: Term) -> Sign:
-        return self._derivative(0, 0).sign
+    def value(self, _: Term) -> Enclosure:
+        return self._derivative(0, 0)
+
+    def sign(self, term: Term) -> Sign:
+        return self.value(term).sign
 
     def of(self, _: Term) -> tuple[Enclosure, ...]:
         """The slopes by both forces; the second derivatives by the first alone, by both, by the second alone."""
