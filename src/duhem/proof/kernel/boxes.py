@@ -358,9 +358,14 @@ class _Derivatives:
                 return self._among((gap if term.op == "max" else gap.minus()).sign, self.of(one), self.of(other))
             case "where":
                 return self.of(self.chosen(term))
-            case "atan2" if (right := self.value(term.args[1]).sign) == POSITIVE or self.value(x).sign in (NEGATIVE, POSITIVE):
-                y, x = term.args  # its slopes are those of atan(y/x), and of -atan(x/y)
-                one, other = (y, x) if right == POSITIVE else (minus(x), y)
+            case "atan2":
+                (y, x), (high, right) = term.args, map(self.value, term.args)
+                if right.sign == POSITIVE and right.low >= high.size().low:
+                    one, other = y, x  # its slopes are those of atan(y/x), and of -atan(x/y)
+                elif high.sign in (NEGATIVE, POSITIVE):
+                    one, other = minus(x), y
+                else:
+                    raise ValueError("an angle may jump")
                 return self.of(Term("atan", (product_of(one, Term("**", (other, number(-1)))),)))
             case op if op in _SMOOTH:
                 return self._chained(Term(op, (_X,)), x, {})
