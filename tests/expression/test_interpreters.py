@@ -32,6 +32,13 @@ def decades(low: int = -12, high: int = 12) -> st.SearchStrategy[float]:
 # -- every word ------------------------------------------------------------------------------------------
 
 
+def test_a_cotangent_that_sympy_makes_of_a_tangent_has_its_value() -> None:
+    """tan(x + pi/2) is -cot(x), which is no word of the language; so is what is put in for a number in a formula that was read."""
+    turned = sp.tan(x + y).subs(y, sp.pi / 2)
+    assert turned.has(sp.cot)
+    assert float(numpy_.compiled(turned, (x,))(0.3)) == pytest.approx(math.tan(0.3 + math.pi / 2), rel=1e-14)
+
+
 WITH_CURVATURE = [kind for kind in NODES if kind not in cvxpy_.NUMBERS_ONLY and kind is not sp.Mul]  # x y has none
 
 

@@ -154,6 +154,15 @@ def test_nearest_name_is_suggested(name: str, near: str) -> None:
         parse(name)
 
 
+@pytest.mark.parametrize("word", ["asinh", "acosh", "atanh"])
+def test_for_a_word_of_other_languages_the_formula_is_told(word: str) -> None:
+    with pytest.raises(InputError, match=f"'{word}' is not a function of the language; write ") as fault:
+        parse(f"{word}(x)")
+    own = parse_expression(fault.value.remedy.removeprefix("write "), {"x": x})
+    at = 1.5 if word == "acosh" else 0.5
+    assert float(own.subs(x, at)) == pytest.approx(getattr(math, word)(at), rel=1e-14)
+
+
 @pytest.mark.parametrize("name", ["norm", "pi", "lambda"])
 def test_a_declared_name_may_not_hide_a_word(name: str) -> None:
     with pytest.raises(InputError, match="already means something"):

@@ -105,7 +105,7 @@ FAULTS = {
     "name is a number": ("[criterion]\nname = 3\n" + G + P, "2:1", "not a text"),
     "name is empty": ("[criterion]\nname = ''\n" + G + P, "2:1", "empty"),
     "name is not printable": ('[criterion]\nname = "a\\u001b[31m"\n' + G + P, "2:1", "printable"),
-    "no g": (HEAD + P, "1:1", "no g"),
+    "no g": (HEAD + P, "1:1", 'add g = "...", or a potential or forces_of_rates in the section [dissipation]'),
     "g without forces": (HEAD + 'g = "mu_a - abs(sigma_n)"\n' + P, "3:1", "does not depend on any force"),
     "missing parameter": (HEAD + G + "[parameters]\nmu_a = {}\n", "3:33", "unknown name 'mu_b'"),
     "unknown name in lines": (HEAD + 'g = """\n  norm(sigma_a,\n   sigma_b) + foo"""\n' + P, "5:15", "unknown name 'foo'"),

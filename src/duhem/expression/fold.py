@@ -46,6 +46,8 @@ def fold(expr: sp.Basic, table: Table[T], leaf: Callable[[Any], T]) -> T:
         elif isinstance(node, Shared):
             values = {x: fold(part, table, leaf) for x, part in zip(node.graph.names, node.parts, strict=True)}
             done[node] = fold(node.graph.formula, table, partial(_named, values, leaf))
+        elif isinstance(node, sp.cot):  # which SymPy makes of tan(x + pi/2), and is no word of the language
+            done[node] = fold(1 / sp.tan(node.args[0]), table, leaf)
         elif ready:
             done[node] = _row(node, table)(node, *(done[a] for a in node.args))
         else:

@@ -43,6 +43,9 @@ _TOKEN = re.compile(
 _ARITHMETIC = "write it with numbers, declared names, + - * / ** and the words of the language"
 _CHOICE = "write where(x > 0, a, b)"
 _DIGITS = "write numbers with the digits 0 to 9, powers with **"
+_INSTEAD = {  # of words of other languages, which are like others of this one
+    "asinh": "write log(x + sqrt(x**2 + 1))", "acosh": "write log(x + sqrt(x**2 - 1))", "atanh": "write log((1 + x)/(1 - x))/2",
+}  # fmt: skip
 _HINTS = {
     "^": "write ** for a power",
     **dict.fromkeys("=!", "comparisons are < <= > >="),
@@ -249,7 +252,7 @@ class _Reader:
             remedy = 'declare stress = { name = "sigma", kind = "3d" }, or all components of the tensor and no other'
             raise self.place.error(f"{name} is of a stress, and none is declared", at=at, remedy=remedy)
         if called and name not in WORDS:
-            remedy = f"write {name}*(...)" if name in self.known else self.suggest(name, [*WORDS], "functions")
+            remedy = f"write {name}*(...)" if name in self.known else _INSTEAD.get(name) or self.suggest(name, [*WORDS], "functions")
             raise self.place.error(f"{name[:40]!r} is not a function of the language", at=at, remedy=remedy)
         if not called and name in WORDS:
             raise self.place.error(f"{name!r} needs its arguments in brackets", at=at, remedy=f"write {name}(...)")

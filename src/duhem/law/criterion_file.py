@@ -69,7 +69,8 @@ class SectionReader(PlacedToml):
         given = self.value(*section).get(key, None if required else "")
         if given is None:
             header = f"[[{section[0]}]]" if len(section) > 1 else f"[{section[0]}]"
-            raise self.error(f"{header} has no {key}", *section, remedy=f'add {key} = "..."')
+            other = ", or a potential or forces_of_rates in the section [dissipation]" if path == ("criterion", "g") else ""
+            raise self.error(f"{header} has no {key}", *section, remedy=f'add {key} = "..."{other}')
         if not isinstance(given, str) or (required and not given.strip()):
             raise self.error(f"{key} is not a text" if given != "" else f"{key} is empty", *path, remedy=f'write {key} = "..."')
         return given
