@@ -18,7 +18,7 @@ from duhem.proof.kernel.forms import place_of
 from duhem.proof.kernel.gradient import gradient
 from duhem.proof.kernel.identity import in_order, signs_as_sizes, vanishes
 from duhem.proof.kernel.normal_form import normal
-from duhem.proof.kernel.pieces import chooses
+from duhem.proof.kernel.pieces import CHOICES, chooses, pieces
 from duhem.proof.kernel.plane_gauge import StarGauge, above_zero_along_rays
 from duhem.proof.kernel.polynomial import negated, written
 from duhem.proof.kernel.region import convex_in_its_region, region_of, round_at_its_ends, where_it_has_a_value
@@ -26,7 +26,7 @@ from duhem.proof.kernel.regularity import smooth_everywhere, smooth_near_the_bou
 from duhem.proof.kernel.simpler_laws import about_its_centre, cases, in_principal_stresses, normal_forms, without_outer_map
 from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.kernel.support import is_support_function, polyhedra, union_is_convex
-from duhem.proof.kernel.term import UNREADABLE, Term, in_words, minus, parse, sum_of
+from duhem.proof.kernel.term import UNREADABLE, Term, in_words, minus, number, parse, product_of, sum_of
 
 __all__ = ["BY_CONSTRUCTION", "CURVE_RULES", "RULES", "RuleRow", "at_point", "needs_of", "objection", "row_of", "rules_of"]
 
@@ -290,6 +290,27 @@ def one_force(law: StatedLaw, evidence: Evidence) -> bool:
     return len(law.forces) == 1 and _shape(law, {}).defined and _inside(law, evidence)
 
 
+def pushes_away_from_zero(law: StatedLaw, _: Evidence) -> bool:
+    """g of one force rises with the size of that, on both sides of 0, and the flow is not against it.
+
+    Where g = 0 and the force is not 0 it is the end of K on its side; if it is 0, K is zero force alone.
+    """
+    domain = within_ranges(law)
+    if len(law.forces) > 1 or law.flow is None or law.surfaces or chooses(law.g, domain):
+        return False
+    force = Term("name", name=law.forces[0])
+    for (g, flow), sides in ((piece.args, sides) for piece, sides in pieces(Term(",", (law.g, *law.flow)), domain, CHOICES)):
+        for way in (number(1), number(-1)):
+            away = domain.where({product_of(way, force): True})
+            if any(away.facts(side).sign == NEGATIVE for side in sides):
+                continue  # the formula is another there
+            there, (slope,) = away.where(dict.fromkeys(sides, False)), gradient(g, law.forces)
+            rise = there.facts(product_of(way, slope))
+            if not (rise.defined and rise.sign == POSITIVE and there.never_negative(product_of(way, flow))):
+                return False
+    return True
+
+
 def parallel(law: StatedLaw, evidence: Evidence) -> bool:
     """Every flow of the law's own is a positive multiple of the gradient of its g, which does not rise towards K, K being convex."""
     return boundary.flows_along_normals(law, evidence.get("along", ()), evidence.get("across", ()))
@@ -508,6 +529,11 @@ RULES: Mapping[tuple[str, str], RuleRow] = {
     ("normality", "parallel"): RuleRow(
         _CONVEXITY, parallel, obligations.formula_and_flow,
         "the flow is a non-negative multiple of grad g wherever g = 0, and K is convex", True,
+    ),
+    ("normality", "one-force"): RuleRow(
+        _NONE, pushes_away_from_zero, obligations.formula_and_flow,
+        "g rises with the size of the force on both sides of 0, and the flow has the sign of the force or is 0: so it is normal to the "
+        "interval K at both its ends", most_forces=1,
     ),
     ("normality", "gradient"): RuleRow(
         _CONVEXITY, gradient_flow, obligations.formula,

@@ -1,0 +1,84 @@
+"""The flow of a law of one force is normal where it has the sign of the force, and g rises with the size of that: held to floats."""
+
+from __future__ import annotations
+
+from random import Random
+
+import numpy as np
+import pytest
+
+from duhem import Criterion, Domain, recheck, verify
+from duhem.expression import numpy_, symbol
+from duhem.expression.parse import parse_as_written
+from duhem.proof.kernel.claims import objection
+from duhem.proof.kernel.stated_law import StatedLaw
+from duhem.proof.verdict import Verdict
+
+PARAMETERS = {"m": {"positive": True}, "k": {"min": "0"}}
+
+
+def is_proved(g: str, flow: str, **more: object) -> bool:
+    own = {"name": "law", "forces": ["x"], "pressure": None, "parameters": PARAMETERS, "constraints": [], "domain": {}}
+    return not objection("normality", "one-force", frozenset(), StatedLaw.read({**own, "g": g, "flow": [flow], **more}), {})
+
+
+SIGN = "where(x > 0, 1, where(x < 0, -1, 0))"
+NORMAL = [
+    ("abs(x) - m", SIGN), ("abs(x) - k", SIGN), ("max(x/m, -2*x) - 1", "x"), ("x**2 - k", "x/9"), ("sqrt(x**2) - m", "x"),
+    ("exp(abs(x)) - m", "x*abs(x)"), ("abs(x) - m", "0"), ("2*pos(x) + neg(x)/m - k", "m*pos(x) - neg(x)"),
+    ("atan(abs(x)) + x**2 - m", SIGN),
+]  # fmt: skip
+OTHERS = [  # K is wider than where g < 0, or on one side of 0 alone; the flow is against the force, or g falls, jumps or is flat
+    ("pos(abs(x) - 1)", "x"), ("x - m", "1"), ("abs(x) - m", "1"), ("abs(x) - m", "-x"), ("x**3 - m", "x"), ("-abs(x) + m", "x"),
+    ("where(x > 2, x - 9, abs(x)) - 1", "x"), ("abs(x)**k - m", "x"), ("abs(abs(x) - 2) - m", "x"), ("abs(x) - m", "x - k"),
+    ("abs(x) - m", f"{SIGN} - 2*pos(x - 9)"), ("min(abs(x), 1) - 1", "x"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("g", "flow"), NORMAL)
+def test_a_flow_with_the_sign_of_the_force_is_normal(g: str, flow: str) -> None:
+    assert is_proved(g, flow)
+
+
+@pytest.mark.parametrize(("g", "flow"), OTHERS)
+def test_where_g_does_not_rise_or_the_flow_turns_back_nothing_is_shown(g: str, flow: str) -> None:
+    assert not is_proved(g, flow)
+
+
+def drawn(rng: Random, depth: int) -> str:
+    if depth == 0:
+        return rng.choice(["x", "x", "abs(x)", "pos(x)", "neg(x)", "1/2", "2", SIGN])
+    a, b = drawn(rng, depth - 1), drawn(rng, depth - 1)
+    return rng.choice(
+        [f"({a} + {b})", f"({a} - {b})", f"{a}*({b})", f"max({a}, {b})", f"min({a}, {b})", f"exp({a}/2)", f"({a})**2", f"abs({a})"]
+    )
+
+
+def test_no_drawn_flow_that_is_proved_leaves_the_normal_cone() -> None:
+    """Wherever g changes its sign or is about 0 on a grid, flow . (tau - sigma) <= 0 for all tau of the grid with g <= 0."""
+    x, proved = np.concatenate([np.linspace(-4, 4, 1601), np.zeros(1)]), 0
+    for seed in range(200):
+        rng = Random(seed)
+        g, flow = f"{drawn(rng, 2)} + 0*x - {rng.choice(['1/2', '1', '3'])}", drawn(rng, rng.choice((0, 1)))
+        if not is_proved(g, flow):
+            continue
+        level, slip = (
+            np.broadcast_to(numpy_.compiled(parse_as_written(text, {"x": symbol("x")}), (symbol("x"),))(x), x.shape) for text in (g, flow)
+        )
+        inside, edge = x[level <= 0], np.abs(level) < 1e-9
+        edge[:-2] |= level[:-2] * level[1:-1] < 0
+        proved += bool(edge.any())
+        if inside.size:
+            assert all(
+                d * ((inside.max() if d > 0 else inside.min()) - s) <= 0.01 * abs(d) for s, d in zip(x[edge], slip[edge], strict=True)
+            ), g
+    assert proved >= 8
+
+
+def test_coulombs_law_with_the_sign_of_the_force_is_decided() -> None:
+    law = Criterion(
+        name="coulomb", forces=("tau",), g="abs(tau) - mu*abs(sigma_n)", parameters={"mu": Domain(positive=True)}, flow=("sign(tau)",)
+    )
+    found = verify(law)
+    assert found["normality"].verdict is Verdict.PROVED and found["normality"].method == "one-force"
+    assert recheck(found.certificate()).ok
