@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import suppress
+from itertools import combinations
 from typing import Any, NamedTuple
 
 from duhem.proof.kernel import boundary, obligations, state
@@ -317,13 +318,28 @@ def parallel(law: StatedLaw, evidence: Evidence) -> bool:
 
 
 def gradient_flow(law: StatedLaw, _: Evidence) -> bool:
-    """The flow is the gradient of g as a formula, wherever a tip of g is not 0; g is C^1 where it is 0, convex, and negative at 0."""
+    """The flow is a multiple >= 0 of the gradient of g, wherever a tip of g is not 0; g is C^1 where it is 0, convex, and negative at 0."""
     domain, shape, slopes = over(law), _shape(law, {}), gradient(law.g, law.forces)
     if law.flow is None or not (shape.defined and shape.convex and _inside(law, {}) and smooth_near_the_boundary(law.g, domain)):
         return False
-    if undecided_beside((*law.flow, *slopes), tips(law.g, domain), domain) is not None:
+    above = dict.fromkeys(tips(law.g, domain), True)
+    chosen = {Term("where", (Term(">", (tip, number(0))), a, b)): a for tip in above for _, a, b in _choices(law.flow)}
+    flow = [d.put(chosen) for d in law.flow]
+    if undecided_beside((*flow, *slopes), above, domain) is not None:
         return False
-    return all(vanishes(in_order(sum_of(d, minus(slope)), domain), domain) for d, slope in zip(law.flow, slopes, strict=True))
+
+    def same(a: Term, b: Term) -> bool:
+        return vanishes(in_order(sum_of(a, minus(b)), domain), domain)
+
+    pairs = [*zip(flow, slopes, strict=True)]
+    across = (same(product_of(d, q), product_of(e, p)) for (d, p), (e, q) in combinations(pairs, 2))
+    along = sum_of(*(product_of(d, slope) for d, slope in pairs))
+    return all(same(d, slope) for d, slope in pairs) or (all(across) and domain.where(above).never_negative(along))
+
+
+def _choices(terms: Iterable[Term]) -> Iterator[tuple[Term, ...]]:
+    """The conditions of choices in formulas, and both their formulas."""
+    return (x.args for term in terms for x in term.parts() if x.op == "where")
 
 
 def star_shaped(law: StatedLaw, _: Evidence) -> bool:
@@ -537,7 +553,7 @@ RULES: Mapping[tuple[str, str], RuleRow] = {
     ),
     ("normality", "gradient"): RuleRow(
         _CONVEXITY, gradient_flow, obligations.formula,
-        "the flow is the gradient of g, which is convex, negative at zero force and C^1 wherever it is 0: so it is not 0 there",
+        "the flow is a multiple >= 0 of grad g, and g is convex, negative at zero force and C^1 wherever it is 0: so grad g is not 0 there",
     ),
     ("dissipation", "fenchel"): RuleRow(
         _ORIGIN | {"normality"}, lambda law, _: True, obligations.flow,

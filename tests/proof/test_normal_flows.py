@@ -1,4 +1,4 @@
-"""The flow of a law of one force is normal where it has the sign of the force, and g rises with the size of that: held to floats."""
+"""Flows of a law's own that are normal: of one force, where they have its sign, and multiples of grad g; they are held to floats."""
 
 from __future__ import annotations
 
@@ -82,3 +82,39 @@ def test_coulombs_law_with_the_sign_of_the_force_is_decided() -> None:
     found = verify(law)
     assert found["normality"].verdict is Verdict.PROVED and found["normality"].method == "one-force"
     assert recheck(found.certificate()).ok
+
+
+IN_A_PLANE = {  # and multiples of its gradient
+    "norm(x, y) - m": ("x", "y"), "norm(x, 2*y) + abs(k)/9 - m - k": ("x", "4*y"), "x**2/m + 3*y**2 - 1": ("2*x", "6*m*y"),
+    "norm(x, y) + x/2 - m": ("x + norm(x, y)/2", "y"), "exp(x) + x**2 + y**2 - 2": ("exp(x) + 2*x", "2*y"),
+}  # fmt: skip
+SHARES = ["{d}", "3*({d})", "m*({d})", "({d})*abs(x)", "({d})*pos(x - y)", "({d})*exp(y)", "where(norm(x, y) > 0, ({d})/norm(x, y), 0)"]
+NO_SHARES = ["-({d})", "({d})*x", "({d})*(abs(x) - 1/9)", "({d}) + y/9", "({d})/x", "where(norm(x, y) > 1/9, -({d}), ({d}))"]
+
+
+def multiple_is_proved(g: str, flow: list[str]) -> bool:
+    own = {"name": "law", "forces": ["x", "y"], "pressure": None, "parameters": PARAMETERS, "constraints": [], "domain": {}}
+    return not objection("normality", "gradient", frozenset({"convexity"}), StatedLaw.read({**own, "g": g, "flow": flow}), {})
+
+
+@pytest.mark.parametrize("g", IN_A_PLANE)
+@pytest.mark.parametrize("share", [*SHARES, *NO_SHARES])
+def test_multiples_of_the_gradient_are_normal(g: str, share: str) -> None:
+    """Every share of the gradient is normal, and what is none is not shown to be; floats know each slip by points of K."""
+    flow, names = [share.format(d=d) for d in IN_A_PLANE[g]], ("x", "y", "m", "k")
+    proved = multiple_is_proved(g, flow)
+    assert proved if share in SHARES[:3] else not (proved and share in NO_SHARES)
+    if not proved:
+        return
+    level, *slips = (
+        numpy_.compiled(parse_as_written(text, {n: symbol(n) for n in names}), [symbol(n) for n in names]) for text in (g, *flow)
+    )
+    angles = np.linspace(0.0, 2 * np.pi, 200, endpoint=False)
+    low, high = np.zeros(200), np.full(200, 9.0)
+    for _ in range(60):
+        middle = (low + high) / 2
+        inside = level(middle * np.cos(angles), middle * np.sin(angles), 0.8, 0.1) <= 0
+        low, high = np.where(inside, middle, low), np.where(inside, high, middle)
+    points = np.array([low * np.cos(angles), low * np.sin(angles)])
+    slip = np.array([np.broadcast_to(d(*points, 0.8, 0.1), 200) for d in slips])
+    assert (slip.T @ points - (slip * points).sum(axis=0)[:, None]).max() < 1e-9
