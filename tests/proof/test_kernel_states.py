@@ -12,6 +12,7 @@ from duhem.law.criterion_file import reads
 from duhem.proof.certificate import law_as_text
 from duhem.proof.kernel.certificate import digest
 from duhem.proof.kernel.claims import objection
+from duhem.proof.kernel.state import energy_differentiable
 from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.kernel.steps import within
 from duhem.proof.kernel.term import NotWritten
@@ -120,6 +121,17 @@ def test_an_energy_with_a_kink_gives_no_one_force(kinked: str) -> None:
         ("dissipation", "boundary-power", {}),
     ):
         assert refused(armstrong_frederick(), claim, rule, evidence, energy=energy)
+
+
+@pytest.mark.parametrize("kinked", ["abs(alpha)", "pos(alpha)", "-3*neg(alpha)", "pos(-alpha)", "1/(9 - alpha**2)", "sqrt(9 - alpha**2)"])
+@pytest.mark.parametrize(("least", "most"), [("0", "2"), ("-2", "0"), ("-2", "2"), ("0", "3")])
+def test_an_energy_has_one_force_in_the_range_of_its_variable(kinked: str, least: str, most: str) -> None:
+    """A kink at the end of the range is none in it; a tip outside of it is none, and one at its end is."""
+    stored = law_as_text(kinematic())
+    text = {**stored, "energy": f"{QUADRATIC} + C/2*alpha**2 + {kinked}"}
+    text["parameters"] = {**stored["parameters"], "alpha": {"min": least, "max": most}}
+    inside = (least, most) != ("-2", "2") if "9" not in kinked else most != "3"
+    assert (energy_differentiable(StatedLaw.read(text)) == "") is inside
 
 
 def test_a_kink_in_the_temperature_is_not_concave() -> None:

@@ -102,12 +102,17 @@ HEAT = "T = { temperature = true, min = 0, max = 2 }\n"
         "30*pos(T - 1) - T**2",
         "30*abs(T - 1) - T**2",
         "30*max(T, 1)",
-        "abs(T - 300) - pos(T - 300)",
-        "100*(abs(T - 300) - pos(T - 300)) - T**2",
+        "abs(T - 1) - pos(T - 1)",
+        "100*(abs(T - 1) - pos(T - 1)) - T**2",
     ],
 )
 def test_kinks_in_the_temperature_that_cancel(heat: str) -> None:
     assert duhem.verify(reads(ONE.replace("(0)", heat) + HEAT), claims=["state_laws"])["state_laws"].verdict is not PROVED
+
+
+@pytest.mark.parametrize("heat", ["abs(T - 300) - pos(T - 300)", "100*(abs(T - 300) - pos(T - 300)) - T**2", "-neg(T)"])
+def test_a_kink_beyond_the_range_of_the_temperature_is_none(heat: str) -> None:
+    assert duhem.verify(reads(ONE.replace("(0)", heat) + HEAT), claims=["state_laws"])["state_laws"].verdict is PROVED
 
 
 def test_rates_of_their_own_make_no_generalized_standard_law() -> None:

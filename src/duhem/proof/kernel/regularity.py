@@ -152,6 +152,10 @@ def _of_parts(term: Term, domain: StatedDomain) -> Kinks | None:
         return Kinks(frozenset(left), some, tips)
     if term.op in ("abs", "pos", "neg"):
         here, dead = frozenset({_switch(term.args[0], domain)}), {"pos": NEGATIVE, "neg": POSITIVE}.get(term.op)
+        if (
+            not (sign := domain.facts(term.args[0]).sign) & NEGATIVE or not sign & POSITIVE
+        ):  # it is its argument, or that turned round, or 0
+            return known[0] if term.op == "abs" or (term.op == "pos") == (not sign & NEGATIVE) else Kinks()
         tips = frozenset(tip for tip in tips if dead is None or dead not in _signs_at(tip, term.args[0], domain))  # it is 0 around others
         return Kinks(kinks | here, known[0].zeros | here, tips)
     if term.op in ("exp", "log", "cos", "cosh", "sin", "sinh", "tanh", "atan"):

@@ -16,14 +16,14 @@ from __future__ import annotations
 from fractions import Fraction
 
 from duhem.proof.kernel.bounds import Bounds
-from duhem.proof.kernel.curvature import over
+from duhem.proof.kernel.curvature import over, within_ranges
 from duhem.proof.kernel.definedness import Reader
 from duhem.proof.kernel.domain import ZERO
 from duhem.proof.kernel.forms import place_of
 from duhem.proof.kernel.gradient import gradient
 from duhem.proof.kernel.identity import in_order, vanishes
 from duhem.proof.kernel.polynomial import written
-from duhem.proof.kernel.regularity import smooth_everywhere
+from duhem.proof.kernel.regularity import regularity, smooth_everywhere
 from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.kernel.term import Term, minus, product_of, sum_of
 
@@ -102,7 +102,8 @@ def energy_differentiable(law: StatedLaw) -> str:
     terms = (law.energy, *gradient(law.energy, names))
     if any(Reader(over(law)).undecided(term) is not None for term in terms):
         return "the energy is not shown to have a value in every state"
-    if not smooth_everywhere(law.energy, over(_in_variables(law, names, law.energy))):
+    found = regularity(law.energy, within_ranges(_in_variables(law, names, law.energy)))
+    if found is None or found.kinks or any(over(law).facts(tip).sign & ZERO for tip in found.tips):
         return "the energy is not shown to be differentiable"
     return ""
 
