@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import suppress
+from fractions import Fraction
 from itertools import combinations
 from typing import Any, NamedTuple
 
@@ -15,7 +16,7 @@ from duhem.proof.kernel.curvature import over, within_ranges
 from duhem.proof.kernel.curve import Stated, StatedCurve
 from duhem.proof.kernel.definedness import Reader, divides_by_zero_force, undecided_beside
 from duhem.proof.kernel.domain import NEGATIVE, POSITIVE, StatedDomain
-from duhem.proof.kernel.forms import place_of
+from duhem.proof.kernel.forms import determinant, place_of, quadratic
 from duhem.proof.kernel.gradient import gradient
 from duhem.proof.kernel.identity import in_order, signs_as_sizes, vanishes
 from duhem.proof.kernel.normal_form import normal
@@ -273,6 +274,15 @@ def regular(law: StatedLaw, evidence: Evidence) -> bool:
     if not smooth_near_the_boundary(law.g, over(law)):
         return False
     return boundary.is_steep(law, evidence["steep"]) if "steep" in evidence else boundary.rises_outward(law, evidence["outward"])
+
+
+def not_zero_at_its_centre(law: StatedLaw, _: Evidence) -> bool:
+    """g = x . A x + b . x + c with det A != 0, and its value where grad g = 0 is that of all its coefficients in one matrix by det A."""
+    domain = over(law)
+    matrix, row, rest = quadratic(law.g, law.forces, domain)
+    half = [product_of(number(Fraction(1, 2)), b) for b in row]
+    whole = [[*entries, b] for entries, b in zip(matrix, half, strict=True)] + [[*half, rest]]
+    return all(domain.sign(written(determinant(own, domain))) in (NEGATIVE, POSITIVE) for own in (matrix, whole))
 
 
 def regular_along_rays(law: StatedLaw, evidence: Evidence) -> bool:
@@ -536,6 +546,10 @@ RULES: Mapping[tuple[str, str], RuleRow] = {
     ("smoothness", "regular-value"): RuleRow(
         _NONE, regular, obligations.formula,
         "g is C^1 wherever g = 0, and grad g != 0 there", True,
+    ),
+    ("smoothness", "centre"): RuleRow(
+        _NONE, not_zero_at_its_centre, obligations.formula,
+        "g is quadratic, and not 0 at its centre, which is the only place where grad g = 0", most_forces=3,
     ),
     ("smoothness", "one-dimensional"): RuleRow(
         _CONVEXITY, one_force, obligations.formula,
