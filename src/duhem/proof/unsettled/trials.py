@@ -205,9 +205,12 @@ def _with_least_lost(law: Text, forms: Iterator[tuple[str, Text]], asked: _Asked
 
 def _signs(law: Text, blocked: Blocked, choices: Choices) -> Iterator[tuple[str, Text]]:
     """Constraints that hold somewhere: of a law without parameters that satisfy it every claim would be shown, and nothing be said."""
+    read = stated(law)
     own = sorted(
         (c for c in blocked.signs if c.names() and not any(x.op == "**" and not x.args[0].names() for x in c.parts())), key=Term.size
     )
+    if isinstance(read, StatedLaw):  # what is never > 0 would say that it is 0
+        own = [c for c in own if over(read).facts(c).sign & POSITIVE]
     sides = [tuple(own[:n]) for n in range(1, len(own) + 1)] if blocked.strict else [*((c,) for c in own), tuple(own)]
     sides += [(c,) for c in blocked.beside[:_MOST_SIGNS]]
     for constants, strict in product(dict.fromkeys(filter(None, sides)), (True,) if blocked.strict else (False, True)):
