@@ -45,10 +45,10 @@ def forces_dissipate(law: StatedLaw) -> bool:
 
 
 def never_negative_on_each_side(term: Term, law: StatedLaw) -> bool:
-    """Whether a formula that has a value for all forces is >= 0 where each of these is > 0, < 0 or 0."""
-    if len(law.forces) > _MOST:
+    """Whether a formula has a value for all forces, and one >= 0, where each of these is > 0, < 0 or 0."""
+    sizes = {Term("name", name=x): Term("name", name=f"size of {x}") for x in law.forces if x in term.names()}
+    if len(sizes) > _MOST or term.large or Reader(over(law)).undecided(term) is not None:
         return False
-    sizes = {Term("name", name=x): Term("name", name=f"size of {x}") for x in law.forces}
     domain = _with_sizes(law, (), *sizes.values())
     ways = product(*(((x, size), (x, minus(size)), (x, _ZERO)) for x, size in sizes.items()))
     return all(domain.never_negative(term.put(dict(way))) for way in ways)

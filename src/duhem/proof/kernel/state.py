@@ -23,6 +23,7 @@ from duhem.proof.kernel.forms import place_of
 from duhem.proof.kernel.gradient import gradient
 from duhem.proof.kernel.identity import in_order, vanishes
 from duhem.proof.kernel.polynomial import written
+from duhem.proof.kernel.rates import never_negative_on_each_side
 from duhem.proof.kernel.regularity import smooth_everywhere
 from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.kernel.term import Term, minus, product_of, sum_of
@@ -57,12 +58,12 @@ def convex_in_each_variable(law: StatedLaw) -> bool:
 
 
 def rate_epigraph(law: StatedLaw, power: bool) -> StatedLaw:
-    """{Phi*(Y) <= z} in the forces and z, of a potential of rates; with the power Y . d Phi*/d Y, if that is asked for."""
+    """{Phi*(Y) <= z} in the forces and z, of a potential of rates; with that and the power Y . d Phi*/d Y, if these are asked for."""
     height = _unused(law)
     names = [Term("name", name=f) for f in law.forces]
     spent = sum_of(*map(product_of, names, gradient(law.g, law.forces))) if power else None
     g = sum_of(law.g, minus(Term("name", name=height)))
-    return law._replace(forces=(*law.forces, height), g=g, viscous=False, power=spent, energy=None, variables=(), rates=())
+    return law._replace(forces=(*law.forces, height), g=g, viscous=False, potential=law.g if power else None, power=spent, energy=None, variables=(), rates=())
 
 
 def potential_least_at_zero(law: StatedLaw) -> str:
@@ -79,7 +80,8 @@ def least_at_zero(potential: Term, law: StatedLaw) -> bool:
     """Whether a potential is no less than at zero force: by its sign, or as it is convex, and even or without a slope there."""
     domain, zero = over(law), place_of({}, over(law))
     there = domain.facts(start := potential.put(zero))
-    if there.defined and domain.never_negative(potential if there.sign == ZERO else sum_of(potential, minus(start))):
+    above = potential if there.sign == ZERO else sum_of(potential, minus(start))
+    if there.defined and (domain.never_negative(above) or never_negative_on_each_side(above, law)):
         return True
     opposite = potential.put({x: minus(x) for x in zero})
     even = vanishes(in_order(sum_of(potential, minus(opposite)), domain), domain)

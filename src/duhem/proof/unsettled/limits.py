@@ -49,7 +49,8 @@ def with_values(read: StatedLaw, names: Names) -> Iterator[tuple[str, Term]]:
     if Reader(domain).undecided(read.g) is None:
         return
     _, size, power = (tip := _tip(read.g, domain)) or (read.g, _ONE, _ZERO)
-    starts = (read.g, times(read.g, size, power, domain)) if tip else ()
+    products = () if read.viscous else (times(read.g, size, power, domain),)  # of a potential a multiple is another law
+    starts = (read.g, *products) if tip else ()
     ways: list[tuple[Term, Callable[[Term], tuple[Term, ...] | None]]] = [(start, partial(_tip, domain=domain)) for start in starts]
     ways.append((read.g, partial(_none_at_zero, domain=domain)))
     for (start, find), rank, first in product(ways, range(_MOST), (0, _MOST)):  # of the first part the smallest, or of all parts alike

@@ -194,7 +194,9 @@ def _with_values(asked: _OpenClaim, names: Names) -> Iterator[Rewriting]:
             at_rest = with_values_at_rest(read, names)
             yield from [Rewriting(*at_rest, at_tip=True, of="forces_of_rates")] if at_rest else []
         elif read is not None and "g" in asked.text and isinstance(subject, FormulaSubject):
-            yield from (Rewriting(told, g, True) for told, form in with_values(read, names) if keeps_k(subject, g := in_text(form, {})))
+            height = f" - {subject.law.forces[-1]}" if read.viscous else ""  # K is {Phi* <= z} then
+            forms = ((told, in_text(form, {})) for told, form in with_values(read, names))
+            yield from (Rewriting(told, g, at_tip=True) for told, g in forms if keeps_k(subject, f"{g}{height}"))
 
 
 def _equal_forms(asked: _OpenClaim, names: Names) -> Iterator[Rewriting]:
