@@ -445,7 +445,7 @@ def of_rates(force: str, **parameters: Domain) -> Criterion:
          "dissipation", "-"),
         (of_rates("c*v_rate + k*tanh(v_rate) - m*v_rate/(1 + v_rate**2)", c=POSITIVE, k=POSITIVE, m=Domain.between(0, "1/10")),
          "normality", "-"),
-        (of_rates("c*log(v_rate + sqrt(1 + v_rate**2))", c=POSITIVE), "normality", "log(v_rate + sqrt(1 + v_rate**2))"),
+        (of_rates("c*log(v_rate + (1 + v_rate**4)**(1/4))", c=POSITIVE), "normality", "log(v_rate + (1 + v_rate**4)**(1/4))"),
         (law("where(abs(a) > c, a**2 - 8/3*sqrt(c)*abs(a)**(3/2) + 2*c*abs(a) - c**2/3, 0)", {"c": POSITIVE}, "a", viscous=True),
          "origin", "where(abs(a) > c"),
         (law("where(abs(a) > c, a**2 - 8/3*sqrt(c)*abs(a)**(3/2) + 2*c*abs(a) - c**2/3, 0)", {"c": POSITIVE}, "a", viscous=True),

@@ -344,14 +344,7 @@ def _inside_at_tips(law: StatedLaw) -> bool:
 
 
 def power(law: StatedLaw, evidence: Evidence) -> bool:
-    """sigma . d >= 0 wherever g = 0: d is the law's own flow, or a mean of the gradients of the pieces of g there, none of which is 0.
-
-    Of a potential of rates it is so where the potential does not fall along any ray from zero force.
-    """
-    if law.power is not None and law.potential is not None:
-        with suppress(*UNREADABLE):
-            if degrees.grows_along_rays(law.potential, within_ranges(law), steep=False, everywhere=True):
-                return True
+    """sigma . d >= 0 wherever g = 0: d is the law's own flow, or a mean of the gradients of the pieces of g there, none of which is 0."""
     if law.power is not None and undecided_beside((law.power,), (), within_ranges(law)) is not None:
         return False
     if law.power is not None and rates.never_negative_on_each_side(law.power, law):

@@ -55,19 +55,16 @@ _JUMPING = ("where", "atan2")
 _ALIKE = ("abs", "pos", "neg", "norm", "max", "min", "eigmax")
 
 
-def grows_along_rays(g: Term, domain: StatedDomain, steep: bool, everywhere: bool = False) -> bool:
-    """Whether d g(r sigma)/dr >= 0 at r = 1 wherever g = 0, or ``everywhere``, and grad g != 0 if ``steep``.
-
-    Of a choice that no ray changes that is asked of each value.
-    """
+def grows_along_rays(g: Term, domain: StatedDomain, steep: bool) -> bool:
+    """Whether d g(r sigma)/dr >= 0 at r = 1 wherever g = 0, and grad g != 0 if ``steep``; of a choice that no ray changes, each value's."""
     if (kink := choice(g, domain)) is not None and kink.op == "where" and kink.args[0].op in COMPARISONS:
         values = [g.put({kink: value}) for value in kink.args[1:]]
-        return len(by_degree(gap(kink.args[0]), domain)) == 1 and all(grows_along_rays(value, domain, steep, everywhere) for value in values)
+        return len(by_degree(gap(kink.args[0]), domain)) == 1 and all(grows_along_rays(value, domain, steep) for value in values)
     poly = domain.polynomial(g)
     logs = {x: _degree_of_all(x.args, domain) for m in poly for x, _ in m if x.op == "log" and not domain.constant(x)}
     more = [product_of(logs[x], written({joined(m, ((x, -1),)): c * n})) for m, c in poly.items() for x, n in m if x in logs]
     parts = by_degree(g, domain, logs)
-    without = [{k: written_in_order(domain.polynomial(sum_of(k, minus(m)))) for k in parts if k != m} for m in ([number(0)] if everywhere else parts)]
+    without = [{k: written_in_order(domain.polynomial(sum_of(k, minus(m)))) for k in parts if k != m} for m in parts]
     sums = [sum_of(*more, *(product_of(c, parts[k]) for k, c in rates.items())) for rates in without]
     signs = [Reader(domain).sign(x) & domain.facts(written(domain.without_quotients(domain.polynomial(x)))).sign for x in sums]
     return POSITIVE in signs or (any(not sign & NEGATIVE for sign in signs) and (not steep or _is_steep(g, domain)))

@@ -58,12 +58,12 @@ def convex_in_each_variable(law: StatedLaw) -> bool:
 
 
 def rate_epigraph(law: StatedLaw, power: bool) -> StatedLaw:
-    """{Phi*(Y) <= z} in the forces and z, of a potential of rates; with that and the power Y . d Phi*/d Y, if these are asked for."""
+    """{Phi*(Y) <= z} in the forces and z, of a potential of rates; with the power Y . d Phi*/d Y, if that is asked for."""
     height = _unused(law)
     names = [Term("name", name=f) for f in law.forces]
     spent = sum_of(*map(product_of, names, gradient(law.g, law.forces))) if power else None
     g = sum_of(law.g, minus(Term("name", name=height)))
-    return law._replace(forces=(*law.forces, height), g=g, viscous=False, potential=law.g if power else None, power=spent, energy=None, variables=(), rates=())
+    return law._replace(forces=(*law.forces, height), g=g, viscous=False, power=spent, energy=None, variables=(), rates=())
 
 
 def potential_least_at_zero(law: StatedLaw) -> str:
