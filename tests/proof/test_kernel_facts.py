@@ -104,8 +104,9 @@ CONSTANTS = [
 
 FORMULAS = [
     ("a + sqrt(1 + a**2)", "> convex"), ("m*a + norm(m*a, 1)", "> convex"), ("a*exp(a) + sqrt(1 + (a*exp(a))**2)", ">"),
-    ("a + sqrt(a**2)", "? convex"), ("2*a + sqrt(1 + a**2)", "? convex"), ("a - sqrt(1 + a**2)", "? concave"), ("a + b + norm(a, b, 1)", "? convex"),
-    ("log(a + sqrt(1 + a**2))", "? quasiconvex"), ("log(a + sqrt(a**2))", "? quasiconvex undefined"), ("log(abs(a) + sqrt(1 + a**2))", "? quasiconvex"),
+    ("a + sqrt(a**2)", "? convex"), ("2*a + sqrt(1 + a**2)", "? convex"), ("a - sqrt(1 + a**2)", "? concave"),
+    ("a + b + norm(a, b, 1)", "? convex"), ("log(a + sqrt(1 + a**2))", "? quasiconvex"),
+    ("log(a + sqrt(a**2))", "? quasiconvex undefined"), ("log(abs(a) + sqrt(1 + a**2))", "? quasiconvex"),
     ("abs(a)", ">= convex"), ("abs(abs(a))", ">= convex"), ("pos(a**2)", ">= convex"), ("neg(abs(a))", "="), ("abs(abs(a) - 1)", ">="),
     ("abs(-abs(a) - 1)", "> convex"), ("abs(m*a)", ">= convex"), ("norm(a, b)", ">= convex"), ("norm(a, m)", "> convex"),
     ("norm(a*b, 1)", ">"), ("norm(0*a, a*0)", "= convex"), ("norm(-abs(a), b)", ">= convex"), ("norm(-abs(a) + m, b)", ">="),
