@@ -19,7 +19,7 @@ from duhem.cli import cli
 from duhem.law.criterion_file import criterion_text, reads
 from duhem.law.state import Variable
 from duhem.proof.certificate import law_as_text
-from duhem.proof.kernel import claims
+from duhem.proof.kernel import rates
 from duhem.proof.kernel import stated_law as kernel_law
 from duhem.proof.kernel.certificate import digest
 from duhem.proof.kernel.claims import RULES, objection
@@ -106,12 +106,85 @@ def test_what_is_proved_holds_at_all_rates(functions: Any, parameters: Any, norm
     assert checked.ok and [row.claim for row in checked.claims if row.outcome == "confirmed"] == proofs
 
 
-def test_friction_in_the_plane_under_a_pressure_dissipates() -> None:
+def test_friction_in_the_plane_under_a_pressure_dissipates_and_has_a_potential() -> None:
     size = "sqrt(u_in_rate**2 + v_in_rate**2 + eps**2)"
     plane = law(*(f"mu*abs(sigma_n)*{x}_rate/{size}" for x in ("u_in", "v_in")), pressure="sigma_n", mu=POSITIVE, eps=POSITIVE)
     stated = StatedLaw.read(law_as_text(plane))
     assert objection("dissipation", "resistance", frozenset(), stated, {}) == ""
-    assert objection("normality", "monotone-resistance", frozenset(), stated, {})  # it derives from a potential, which no rule shows
+    assert objection("normality", "monotone-resistance", frozenset(), stated, {}) == ""
+
+
+SIZE, OTHER = "norm(u_in_rate, v_in_rate)", "norm(u_in_rate, 2*v_in_rate)"
+STEADY = "sqrt(u_in_rate**2 + v_in_rate**2 + v_S**2)"
+
+
+def of_size(share: str, size: str = SIZE, weight: str = "1", tip: bool = True) -> tuple[str, str]:
+    """Forces c_i x_i G(w), with 0 where w is 0 if G has no value there."""
+    first, second = f"({share})*u_in_rate", f"{weight}*({share})*v_in_rate"
+    return (f"where({size} > 0, {first}, 0)", f"where({size} > 0, {second}, 0)") if tip else (first, second)
+
+
+@pytest.mark.parametrize(
+    ("functions", "normal", "dissipates"),
+    [
+        (of_size(f"F_C/{SIZE}"), True, True),  # dry friction
+        (of_size(f"F_C/{SIZE} + F_S*{SIZE}**(n - 1)"), True, True),  # Herschel-Bulkley
+        (of_size(f"(sqrt(F_C) + sqrt(F_S*{SIZE}))**2/{SIZE}"), True, True),  # Casson
+        (of_size(f"(F_C + (F_S - F_C)/(1 + v_S/{SIZE}))/{SIZE}"), True, True),  # mu(I), F_S >= F_C
+        (of_size(f"F_C*({STEADY})**(n - 2)", tip=False), True, True),  # Glen's law, n >= 1
+        (of_size(f"F_C/({OTHER})", OTHER, "4"), True, True),  # a norm with weights
+        (of_size(f"F_C*{SIZE}**(-2)"), False, True),  # w G(w) falls
+        (of_size(f"F_C/{SIZE} - F_S"), False, False),
+        (of_size(f"-F_C/{SIZE}"), False, False),  # < 0, and does not fall
+        (of_size(f"(F_S + (F_C - F_S)/(1 + v_S/{SIZE}))/{SIZE}"), False, True),
+        (of_size(f"F_C/{SIZE}", weight="2"), False, True),  # no gradient
+        (of_size(f"F_C/({OTHER})", OTHER), False, True),
+        (of_size(f"F_C*({STEADY})**(-n)", tip=False), False, True),
+        (of_size(f"F_C/{SIZE}")[::-1], False, False),  # each is of the other rate
+        (of_size(f"where({SIZE} > 1, 1, 2)/{SIZE}"), False, True),  # a jump down
+        (tuple(x.replace(", 0)", ", F_C)") for x in of_size(f"F_C/{SIZE}")), False, True),  # F_C at rest in each direction is too much
+        (of_size("F_C*u_in_rate**2", tip=False), False, True),
+    ],
+)
+def test_forces_of_the_size_of_the_rates_have_a_convex_potential_if_they_do_not_fall(
+    functions: Any, normal: bool, dissipates: bool
+) -> None:
+    """What is shown is looked at between random rates, which are told nothing of sizes."""
+    given: Any = {"F_C": Domain.between(1, 2), "F_S": Domain.between(2, 3), "v_S": POSITIVE, "n": Domain.between(1, 2)}
+    made = law(*functions, **{x: own for x, own in given.items() if any(x in f for f in functions)})
+    stated = StatedLaw.read(law_as_text(made))
+    told = [
+        not objection(claim, rule, frozenset(), stated, {})
+        for claim, rule in (("normality", "monotone-resistance"), ("dissipation", "resistance"))
+    ]
+    assert told == [normal, dissipates]
+    rng = np.random.default_rng(3)
+    x = rng.standard_normal((4, 3000)) * rng.choice([0.0, 1e-3, 1.0, 30.0], (4, 3000))
+    at = {"norm": lambda *a: np.sqrt(sum(np.square(a))), "sqrt": np.sqrt, "where": np.where, "F_C": 1.3, "F_S": 2.4, "v_S": 0.7, "n": 1.6}
+    with np.errstate(all="ignore"):
+        one, other = (np.array([eval(f, {**at, "u_in_rate": u, "v_in_rate": v}) for f in functions]) for u, v in (x[:2], x[2:]))
+    gain, spent = ((one - other) * (x[:2] - x[2:])).sum(axis=0), (one * x[:2]).sum(axis=0)
+    assert not normal or bool(np.all(gain >= -1e-9))
+    assert bool(np.all(spent >= 0)) is dissipates
+
+
+@pytest.mark.parametrize(
+    ("function", "normal"),
+    [
+        ("F_C*sign(u_in_rate) + u_in_rate", True),
+        ("where(u_in_rate > 0, F_C*log(1 + u_in_rate), F_S*u_in_rate)", True),
+        ("-F_C*sign(u_in_rate) + u_in_rate", False),
+        ("where(u_in_rate > 0, F_C + u_in_rate, F_S + 2*u_in_rate)", False),  # F_S at rest, and F_C beside it may be less
+        ("F_C*sign(u_in_rate)*exp(-abs(u_in_rate))", False),
+        ("where(u_in_rate > 0, 1, where(u_in_rate < 0, -1, 3))", False),
+    ],
+)
+def test_a_force_that_jumps_at_rest_does_not_fall_if_it_has_the_sign_of_the_rate(function: str, normal: bool) -> None:
+    made = law(function, F_C=POSITIVE, F_S=POSITIVE)
+    assert (not objection("normality", "monotone-resistance", frozenset(), StatedLaw.read(law_as_text(made)), {})) is normal
+    rates = np.linspace(-3, 3, 601)
+    names = {"sign": np.sign, "abs": np.abs, "where": np.where, "log": lambda x: np.log(np.abs(x) + 1e-300), "exp": np.exp}
+    assert bool(np.all(np.diff(eval(function, {**names, "u_in_rate": rates, "F_C": 0.7, "F_S": 1.2})) >= 0)) is normal
 
 
 @pytest.mark.parametrize(
@@ -157,7 +230,7 @@ def test_a_certificate_of_another_law_is_not_confirmed() -> None:
     for wrong in (f"-({text})", text.replace("+ F_v", "- F_v"), f"{text} - 1", text.replace("exp(-", "log(")):
         assert rechecked(document, of("forces_of_rates", {"sigma": wrong})).failed == ("dissipation",)
     assert rechecked(document, of("parameters", document["law"]["parameters"] | {"F_v": {"min": "-1", "max": None}})).failed
-    assert rechecked(document, of("constraints", [])).failed  # which the kernel cannot do without
+    assert rechecked(document, of("constraints", [])).ok  # F_C (1 - exp(-x^2)) + F_S exp(-x^2) is > 0 without them
     for wrong in ({}, {"sigma": text, "tau": "0"}, {"tau": text}, {"sigma": "sigma"}, {"sigma": "u_in"}, {"sigma": "x"}, [text]):
         if wrong == {"sigma": "u_in"}:
             assert rechecked(document, of("forces_of_rates", wrong)).failed
@@ -181,12 +254,20 @@ def test_no_other_rule_speaks_of_such_a_law_and_its_rules_of_no_other() -> None:
         assert "no force is a function" in objection(claim, rule, everything, coulomb, {})
 
 
-@pytest.mark.parametrize("function", ["abs(u_in_rate)*u_in_rate*R", "R*max(u_in_rate, 0)", "R*(u_in_rate + v_in_rate)"])
-def test_a_force_that_is_monotone_only_in_part_is_no_gradient_by_this_rule(function: str) -> None:
-    """The second has a kink and the third depends on the other rate."""
+@pytest.mark.parametrize(
+    ("function", "normal"),
+    [
+        ("abs(u_in_rate)*u_in_rate*R", True),
+        ("R*max(u_in_rate, 0)", True),  # which has a kink at rest alone
+        ("R*max(u_in_rate, 1)", False),
+        ("R*(u_in_rate + v_in_rate)", False),
+        ("R*u_in_rate/(1 + v_in_rate**2)", False),
+    ],
+)
+def test_a_force_that_is_monotone_only_in_part_is_no_gradient_by_this_rule(function: str, normal: bool) -> None:
+    """The third has a kink elsewhere, and the last two depend on the other rate."""
     stated = StatedLaw.read(law_as_text(law(function, "R*v_in_rate", R=POSITIVE)))
-    shown = objection("normality", "monotone-resistance", frozenset(), stated, {}) == ""
-    assert not shown or function.startswith("abs")
+    assert (objection("normality", "monotone-resistance", frozenset(), stated, {}) == "") is normal
 
 
 def shown(claim: str, *functions: str) -> bool:
@@ -210,7 +291,7 @@ def test_each_part_of_a_rule_is_needed(claim: str, functions: Any, part: str, mo
     if part == "names":
         monkeypatch.setattr(Term, "names", lambda _: frozenset())
         stated = StatedLaw.read(law_as_text(law(*functions, R=POSITIVE)))
-        assert claims.forces_increase(stated, {})
+        assert rates.forces_increase(stated)
         return
     if part == "value":
         key = ("dissipation", "resistance")
@@ -218,7 +299,7 @@ def test_each_part_of_a_rule_is_needed(claim: str, functions: Any, part: str, mo
     if part == "power":
         monkeypatch.setattr(kernel_law, "product_of", lambda *terms: terms[-1])
     if part == "slope":
-        monkeypatch.setattr(claims, "gradient", lambda force, names: tuple(minus(x) for x in gradient(force, names)))
+        monkeypatch.setattr(rates, "gradient", lambda force, names: tuple(minus(x) for x in gradient(force, names)))
     assert shown(claim, *functions)
 
 

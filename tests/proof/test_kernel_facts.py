@@ -57,7 +57,7 @@ CONSTANTS = [
     ("(1 - q)*(1 + q)", ">= affine"), ("abs(q) - 3/2", "< affine"), ("abs(q) - 1", "<= affine"), ("abs(q) - 1/2", "? affine"),
     ("-3/2 + abs(q)", "< affine"), ("-m + abs(q*m/2)", "< affine"), ("-m + abs(q*m)", "<= affine"), ("-m/2 + abs(q*m)", "? affine"),
     ("1 - abs(q)", ">= affine"), ("norm(m, m) - 2*m", "< affine"), ("-2*m + norm(m, m)", "< affine"),
-    ("-2*m + norm(m, m) - e", "< affine"), ("norm(m, m) - m", "? affine"), ("norm(m, m) - e", "? affine"),
+    ("-2*m + norm(m, m) - e", "< affine"), ("norm(m, m) - m", "> affine"), ("norm(m, m) - e", "? affine"),
     ("norm(m, m) + 2*m", "> affine"), ("1*sin(e + 1)", "> affine"), ("sin(e + 1) - sin(1/2)", "> affine"), ("sin(m)", "? affine"),
     ("0 + cos(q)", "> affine"), ("cos(3/2*q)", "> affine"), ("cos(1.58*q)", "? affine"), ("cos(q - e)", "> affine"),
     ("cos(q + e)", "> affine"), ("cos(-q - e)", "> affine"), ("cos(e + 1.08)", "? affine"), ("cos(-e - 1.08)", "? affine"),
@@ -78,7 +78,7 @@ CONSTANTS = [
     ("acos(q)", ">= affine"), ("acos(k)", "> affine undefined"), ("asin(2*q)", "? affine undefined"), ("max(q, m)", "> affine"),
     ("max(q, e)", ">= affine"), ("max(k, -m)", "< affine"), ("max(q, -m)", "? affine"), ("min(q, k)", "< affine"),
     ("min(m, e)", ">= affine"), ("min(m, p)", "> affine"), ("min(q, m)", "? affine"), ("norm(3*m, 4*m) - 5*m", "<= affine"),
-    ("norm(3*m, 4*m) - 51*m/10", "< affine"), ("norm(3*m, 4*m) - 49*m/10", "? affine"),
+    ("norm(3*m, 4*m) - 51*m/10", "< affine"), ("norm(3*m, 4*m) - 49*m/10", "> affine"),
     ("e*norm(m, m) + norm(3*m, 4*m) - 5*m", "? affine"), ("where(m > 0, 1, 2) - 1", "= affine"), ("abs(q) + abs(e) - 1", "? affine"),
     ("m - exp(-m)", "? affine"), ("e**(p - 1)", ">= affine"), ("0**e", ">= affine"),
     ("(q + 1)**u", ">= affine undefined"), ("(m - m)**p", "= affine"), ("exp(e) - 1", ">= affine"), ("1 - exp(-e)", ">= affine"),
@@ -92,7 +92,7 @@ CONSTANTS = [
     ("u**2 - u*q + q**2", ">= affine"), ("u**2 - 2*u*q + q**2", ">= affine"), ("u**2 - 2.001*u*q + q**2", "? affine"),
     ("u**2 - 2*u*q + q**2 + m", "> affine"), ("u**2 - u + 1/4", ">= affine"), ("u**2 - u + 0.249", "? affine"),
     ("u**4 + 2*u**3 + u**2", ">= affine"), ("-u**2 - 2*u*q - q**2", "<= affine"), ("u**2 - 2*u*q - q**2", "? affine"),
-    ("sqrt(m**2 + e) - m - 1", "< affine"), ("sqrt((m - p)**2) - m - p", "< affine"), ("sqrt(m**2 + m) - m", "? affine"),
+    ("sqrt(m**2 + e) - m - 1", "< affine"), ("sqrt((m - p)**2) - m - p", "< affine"), ("sqrt(m**2 + m) - m", "> affine"),
     ("sqrt(m**2 + e) - m", "? affine"), ("sqrt(m**2 - m*e) - m", "<= affine undefined"), ("-m + sqrt(m**2)", "= affine"),
     ("tan(e)", ">= affine"), ("tan(3*e)", ">= affine"), ("tan(3.2*e)", "? affine undefined"), ("tan(-e)", "<= affine"),
     ("tan(e + 1) - tan(1/2)", "> affine"), ("tan(m)", "? affine undefined"),
@@ -103,6 +103,10 @@ CONSTANTS = [
 ]  # fmt: skip
 
 FORMULAS = [
+    ("a + sqrt(1 + a**2)", "> convex"), ("m*a + norm(m*a, 1)", "> convex"), ("a*exp(a) + sqrt(1 + (a*exp(a))**2)", ">"),
+    ("a + sqrt(a**2)", "? convex"), ("2*a + sqrt(1 + a**2)", "? convex"), ("a - sqrt(1 + a**2)", "? concave"),
+    ("a + b + norm(a, b, 1)", "? convex"), ("log(a + sqrt(1 + a**2))", "? quasiconvex"),
+    ("log(a + sqrt(a**2))", "? quasiconvex undefined"), ("log(abs(a) + sqrt(1 + a**2))", "? quasiconvex"),
     ("abs(a)", ">= convex"), ("abs(abs(a))", ">= convex"), ("pos(a**2)", ">= convex"), ("neg(abs(a))", "="), ("abs(abs(a) - 1)", ">="),
     ("abs(-abs(a) - 1)", "> convex"), ("abs(m*a)", ">= convex"), ("norm(a, b)", ">= convex"), ("norm(a, m)", "> convex"),
     ("norm(a*b, 1)", ">"), ("norm(0*a, a*0)", "= convex"), ("norm(-abs(a), b)", ">= convex"), ("norm(-abs(a) + m, b)", ">="),

@@ -445,7 +445,7 @@ def of_rates(force: str, **parameters: Domain) -> Criterion:
          "dissipation", "-"),
         (of_rates("c*v_rate + k*tanh(v_rate) - m*v_rate/(1 + v_rate**2)", c=POSITIVE, k=POSITIVE, m=Domain.between(0, "1/10")),
          "normality", "-"),
-        (of_rates("c*log(v_rate + sqrt(1 + v_rate**2))", c=POSITIVE), "normality", "log(v_rate + sqrt(1 + v_rate**2))"),
+        (of_rates("c*log(v_rate + (1 + v_rate**4)**(1/4))", c=POSITIVE), "normality", "log(v_rate + (1 + v_rate**4)**(1/4))"),
         (law("where(abs(a) > c, a**2 - 8/3*sqrt(c)*abs(a)**(3/2) + 2*c*abs(a) - c**2/3, 0)", {"c": POSITIVE}, "a", viscous=True),
          "origin", "where(abs(a) > c"),
         (law("where(abs(a) > c, a**2 - 8/3*sqrt(c)*abs(a)**(3/2) + 2*c*abs(a) - c**2/3, 0)", {"c": POSITIVE}, "a", viscous=True),
@@ -457,6 +457,32 @@ def test_of_rates_and_potentials_nothing_is_said_of_k(criterion: Criterion, clai
     told = " ".join(found.sentences())
     assert found.part is not None and part in found.part
     assert not re.search(r"\bK\b|\bg\b|flow|boundary|\bz\b", told), told
+
+
+@pytest.mark.parametrize(
+    ("forces", "told", "helps"),
+    [
+        ({"a": "c*u_rate/V", "b": "c*v_rate/V"}, "where(V > 0, F, 0) for the formula F of a and of b", True),
+        ({"a": "c*u_rate", "b": "c*v_rate/abs(v_rate)**(1/2)"}, "where(abs(v_rate) > 0, F, 0) for the formula F of b", True),
+        ({"a": "c*u_rate/V - v_rate", "b": "c*v_rate/V + u_rate"}, "where(V > 0, F, 0) for the formula F of a and of b", False),
+    ],
+)
+def test_forces_without_a_value_at_rest_are_told_with_one_where_that_helps(forces: dict[str, str], told: str, helps: bool) -> None:
+    """The first variable belongs to the second force; the forces of the last law dissipate and have no potential."""
+    short, variables = {"V": "norm(u_rate, v_rate)"}, {"v": Variable("b"), "u": Variable("a")}
+    known = {"c": POSITIVE, "u": Domain(), "v": Domain()}
+    given = Criterion("rest", sp.nan, known, ("a", "b"), None, variables=variables, forces_of_rates=forces, define=short)
+    for claim in ("normality", "dissipation"):
+        actions = opened(given, claim).actions
+        assert [action.split(" (")[0] for action in actions] == (
+            [f"write {told}, if you mean 0 there"] if helps or claim == "dissipation" else []
+        )
+        (size,) = re.findall(r"where\((.*) > 0, F", told)
+        named = {
+            name: f"where({size} > 0, {text}, 0)" if f"of {name}" in told.split("formula")[1] else text for name, text in forces.items()
+        }
+        followed = Criterion("rest", sp.nan, known, ("a", "b"), None, variables=variables, forces_of_rates=named, define=short)
+        assert (verify(followed, claims=[claim])[claim].verdict is Verdict.PROVED) is bool(actions)
 
 
 @pytest.mark.parametrize(

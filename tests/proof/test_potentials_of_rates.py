@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
 import sympy as sp
 
@@ -47,9 +48,35 @@ def test_no_other_potential_is_taken(potential: str, claim: str) -> None:
     given = viscous(potential)
     for rule in ("evaluation", "polar-form", "composition", "polyhedral", "polar-curvature", "fan"):
         assert refused(given, claim, rule, settled=("origin",) if claim == "convexity" else ())
-    for rule in ("euler", "homogeneity", "potential", "power-share", "boundary-power"):
+    for rule in ("euler", "homogeneity", "potential", "power-share"):
         assert refused(given, "dissipation", rule, {"share": "0", "rest": "0"}, settled=("origin",))
+    dissipates = "cosh" in potential  # a sinh(a) is >= 0, whatever the potential is at zero force
+    assert (not refused(given, "dissipation", "boundary-power", settled=("origin",))) is dissipates
     assert duhem.verify(given, claims=[claim])[claim].verdict is not Verdict.PROVED
+
+
+@pytest.mark.parametrize(
+    ("potential", "least", "dissipates"),
+    [
+        ("exp(-A*(1 - sqrt(abs(a)))) - exp(-A) + b**2", True, False),  # of glassy polymers; it has no slope at 0
+        ("exp(-A*(1 + sqrt(abs(a)))) - exp(-A) + b**2", False, False),
+        ("1 - exp(-A*a**2 - b**2)", True, True),
+        ("exp(-A*a**2 - b**2) - 1", False, False),
+        ("a**2 + b**2/(1 + b**2) + a**2*exp(-b)", True, False),  # it falls along some rays
+        ("A*pos(norm(a, b) - 2*a)**3 - a**3", False, False),
+        ("A*(pos(a)**3 - 2*pos(a)**2 + a**2 + b**2)", False, False),
+    ],
+)
+def test_a_potential_that_is_not_convex_is_read_on_each_side_of_zero_force(potential: str, least: bool, dissipates: bool) -> None:
+    """What is shown is looked at in floats, slopes by differences along rays."""
+    given = viscous(potential)
+    told = [not refused(given, claim, rule) for claim, rule in (("origin", "evaluation"), ("dissipation", "boundary-power"))]
+    assert told == [least, dissipates]
+    x, words = np.random.default_rng(5).standard_normal((2, 2000)) * 2, {"exp": np.exp, "abs": np.abs, "sqrt": np.sqrt, "where": np.where}
+    words |= {"norm": np.hypot, "pos": lambda y: np.maximum(y, 0)}
+    near, far = (eval(potential, {**words, "A": 1.5, "a": r * x[0], "b": r * x[1]}) for r in (1.0, 1.0001))
+    assert not least or bool(np.all(near >= 0))
+    assert not dissipates or bool(np.all(far >= near - 1e-12))
 
 
 def test_what_refutes_a_potential_says_what_k_is() -> None:

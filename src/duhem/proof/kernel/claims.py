@@ -8,7 +8,7 @@ from fractions import Fraction
 from itertools import combinations
 from typing import Any, NamedTuple
 
-from duhem.proof.kernel import boundary, obligations, state
+from duhem.proof.kernel import boundary, obligations, rates, state
 from duhem.proof.kernel import homogeneity as degrees
 from duhem.proof.kernel.bounds import Facts
 from duhem.proof.kernel.boxes import convex_in_its_box, dissipates_in_its_box, smooth_in_its_box
@@ -18,13 +18,13 @@ from duhem.proof.kernel.definedness import Reader, divides_by_zero_force, undeci
 from duhem.proof.kernel.domain import NEGATIVE, POSITIVE, StatedDomain
 from duhem.proof.kernel.forms import determinant, place_of, quadratic
 from duhem.proof.kernel.gradient import gradient
-from duhem.proof.kernel.identity import in_order, signs_as_sizes, vanishes
+from duhem.proof.kernel.identity import in_order, vanishes
 from duhem.proof.kernel.normal_form import normal
 from duhem.proof.kernel.pieces import CHOICES, chooses, pieces
 from duhem.proof.kernel.plane_gauge import StarGauge, above_zero_along_rays
 from duhem.proof.kernel.polynomial import negated, written
 from duhem.proof.kernel.region import convex_in_its_region, region_of, round_at_its_ends, where_it_has_a_value
-from duhem.proof.kernel.regularity import smooth_everywhere, smooth_near_the_boundary, tips
+from duhem.proof.kernel.regularity import smooth_near_the_boundary, tips
 from duhem.proof.kernel.simpler_laws import about_its_centre, cases, in_principal_stresses, normal_forms, without_outer_map
 from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.kernel.support import is_support_function, polyhedra, union_is_convex
@@ -394,6 +394,8 @@ def power(law: StatedLaw, evidence: Evidence) -> bool:
     """sigma . d >= 0 wherever g = 0: d is the law's own flow, or a mean of the gradients of the pieces of g there, none of which is 0."""
     if law.power is not None and undecided_beside((law.power,), (), within_ranges(law)) is not None:
         return False
+    if law.power is not None and rates.never_negative_on_each_side(law.power, law):
+        return True
     return boundary.flows_outward(law, evidence.get("outward", ()))
 
 
@@ -437,17 +439,6 @@ def convex_energy(law: StatedLaw, evidence: Evidence) -> bool:
 def scales_with_the_pressure(law: StatedLaw, _: Evidence) -> bool:
     """g keeps its sign along each ray of forces and pressure together, and no range cuts one."""
     return False if law.pressure is None or law.ranges else degrees.is_cone(law.g, over(law).wider(law.pressure))
-
-
-def forces_increase(law: StatedLaw, _: Evidence) -> bool:
-    """Each force is a function of its own rate, C^1 in that, and does not decrease."""
-    domain = over(law)
-
-    def increases(rate: str, force: Term) -> bool:
-        own = not force.names() & ({*law.forces} - {rate}) and smooth_everywhere(force, domain)
-        return own and domain.never_negative(gradient(force, (rate,))[0])
-
-    return all(map(increases, law.forces, law.flow or ()))
 
 
 def with_k_alone(law: StatedLaw) -> str:
@@ -602,13 +593,13 @@ RULES: Mapping[tuple[str, str], RuleRow] = {
         "of the flow dissipate too (Koiter 1953)", True,
     ),
     ("dissipation", "resistance"): RuleRow(
-        _NONE, lambda law, _: over(law).never_negative(signs_as_sizes(law.g, over(law))), obligations.flow,
+        _NONE, lambda law, _: rates.forces_dissipate(law), obligations.flow,
         "the forces as functions of the rates have sum of force . rate >= 0",
     ),
     ("normality", "monotone-resistance"): RuleRow(
-        _NONE, forces_increase, obligations.flow,
-        "each force is a function of its own rate that does not decrease: so they are the gradient of a convex potential of the rates "
-        "(Rockafellar 1970, theorem 24.2)",
+        _NONE, lambda law, _: rates.forces_increase(law), obligations.flow,
+        "each force is a function of its own rate that does not decrease, or all are one of their size: so they are the gradient "
+        "of a convex potential of the rates (Rockafellar 1970, theorems 5.1 and 24.2)",
     ),
     ("duality", "polar-gauge"): RuleRow(
         _NONE, polar_gauge, obligations.formula,

@@ -44,6 +44,7 @@ _SIGN_KEPT = (  # words that are odd, rise, and are concave from 0 on; a new wor
     "tanh", "atan",
 )  # fmt: skip
 _KINKS, _MOST_KINDS = ("abs", "pos", "neg"), 12  # of a sum, the parts that are not equal
+_SHORT_SUM = 3  # terms
 _PRICE = 100  # steps for a part of a formula, beside what its polynomials cost
 
 
@@ -194,7 +195,20 @@ def _total(term: Term, parts: list[Facts], domain: StatedDomain) -> Facts:
         return known
     if known.sign & NEGATIVE and nonnegative_as_a_spread(term, domain):
         known = replace(known, sign=known.sign & ~NEGATIVE)
-    return known
+    return replace(known, sign=POSITIVE) if known.defined and known.sign == ANY and _root_outweighs(term, domain) else known
+
+
+def _root_outweighs(term: Term, domain: StatedDomain) -> bool:
+    """Whether a sum is r + y with a root or norm r and r^2 > y^2, so that it is > 0, as sqrt(1 + u^2) + u is; of short ones alone."""
+    roots = [part for part in term.args if part.op == "norm" or (part.op == "**" and part.args[1] == HALF)]
+    rest = sum_of(*(part for part in term.args if part not in roots))
+    with suppress(NotWritten):
+        if len(roots) != 1 or len(domain.polynomial(rest)) > _SHORT_SUM:
+            return False
+        square = sum_of(*map(product_of, roots[0].args, roots[0].args)) if roots[0].op == "norm" else roots[0].args[0]
+        gap = domain.polynomial(sum_of(square, minus(product_of(rest, rest))))
+        return len(gap) <= _SHORT_SUM and domain.facts(written(gap)).sign == POSITIVE
+    return False
 
 
 def _product(term: Term, parts: list[Facts], domain: StatedDomain) -> Facts:

@@ -23,6 +23,7 @@ from duhem.proof.kernel.forms import place_of
 from duhem.proof.kernel.gradient import gradient
 from duhem.proof.kernel.identity import in_order, vanishes
 from duhem.proof.kernel.polynomial import written
+from duhem.proof.kernel.rates import never_negative_on_each_side
 from duhem.proof.kernel.regularity import regularity, smooth_everywhere
 from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.kernel.term import Term, minus, product_of, sum_of
@@ -79,7 +80,8 @@ def least_at_zero(potential: Term, law: StatedLaw) -> bool:
     """Whether a potential is no less than at zero force: by its sign, or as it is convex, and even or without a slope there."""
     domain, zero = over(law), place_of({}, over(law))
     there = domain.facts(start := potential.put(zero))
-    if there.defined and domain.never_negative(potential if there.sign == ZERO else sum_of(potential, minus(start))):
+    above = potential if there.sign == ZERO else sum_of(potential, minus(start))
+    if there.defined and (domain.never_negative(above) or never_negative_on_each_side(above, law)):
         return True
     opposite = potential.put({x: minus(x) for x in zero})
     even = vanishes(in_order(sum_of(potential, minus(opposite)), domain), domain)

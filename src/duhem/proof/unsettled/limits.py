@@ -30,7 +30,7 @@ from duhem.proof.search.boundary_points import scouts
 from duhem.proof.unsettled.ranges import others_at, places_in_ranges
 from duhem.proof.unsettled.term_text import Names, in_text
 
-__all__ = ["holds_a_place", "keeps_k", "named_around", "same_points", "short", "split", "times", "with_values"]
+__all__ = ["holds_a_place", "keeps_k", "named_around", "same_points", "short", "split", "times", "with_values", "with_values_at_rest"]
 
 _MOST = 4  # parts in one formula, and ways to choose each
 _CHOICES, _DRAWN, _MOVES = 2, 24, 30  # of parameters; of places, and around each; to a zero of a size
@@ -49,7 +49,8 @@ def with_values(read: StatedLaw, names: Names) -> Iterator[tuple[str, Term]]:
     if Reader(domain).undecided(read.g) is None:
         return
     _, size, power = (tip := _tip(read.g, domain)) or (read.g, _ONE, _ZERO)
-    starts = (read.g, times(read.g, size, power, domain)) if tip else ()
+    products = () if read.viscous else (times(read.g, size, power, domain),)  # of a potential a multiple is another law
+    starts = (read.g, *products) if tip else ()
     ways: list[tuple[Term, Callable[[Term], tuple[Term, ...] | None]]] = [(start, partial(_tip, domain=domain)) for start in starts]
     ways.append((read.g, partial(_none_at_zero, domain=domain)))
     for (start, find), rank, first in product(ways, range(_MOST), (0, _MOST)):  # of the first part the smallest, or of all parts alike
@@ -67,6 +68,20 @@ def with_values(read: StatedLaw, names: Names) -> Iterator[tuple[str, Term]]:
             told = " and ".join(f"{in_text(limit, names)} for {in_text(x, names)}" for x, limit in put.items()) + ", if you mean 0 there"
             whole = f"{in_text(g, names)} for g, which is {in_text(_raised(size, power), names)} times g"
             yield f"write {told if start is read.g else whole}", g
+
+
+def with_values_at_rest(read: StatedLaw, names: Names) -> tuple[str, dict[str, str]] | None:
+    """What to write, and the forces as functions of the rates then: 0 where a size of rates that they divide by is 0; None without one."""
+    domain, written, told = within_ranges(read), dict[str, str](), dict[str, list[str]]()
+    driven = {f"{name}_rate": own.force for name, own in read.variables if own.force and own.kind == "internal"}
+    for rate, own in zip(read.forces, read.flow or (), strict=True):
+        force, tip = driven[rate], _tip(own, domain)
+        limit = own if tip is None else Term("where", (Term(">", (tip[1], _ZERO)), own, _ZERO))
+        written[force] = in_text(limit, {})
+        if tip is not None:
+            told.setdefault(in_text(tip[1], names), []).append(force)
+    ways = (f"where({size} > 0, F, 0) for the formula F of {' and of '.join(forces)}" for size, forces in told.items())
+    return (f"write {', and '.join(ways)}, if you mean 0 there", written) if told else None
 
 
 def _none_at_zero(g: Term, domain: StatedDomain) -> tuple[Term, Term] | None:

@@ -33,7 +33,7 @@ from duhem.proof.search.boundary_points import scouts
 from duhem.proof.search.margins import least_margin
 from duhem.proof.unsettled.blocked import Blocked, blocked, required
 from duhem.proof.unsettled.forms import equal_forms, other_forms
-from duhem.proof.unsettled.limits import holds_a_place, keeps_k, named_around, same_points, with_values
+from duhem.proof.unsettled.limits import holds_a_place, keeps_k, named_around, same_points, with_values, with_values_at_rest
 from duhem.proof.unsettled.ranges import Ranges, around_the_boundary
 from duhem.proof.unsettled.term_text import Names, in_text, names_of
 from duhem.proof.unsettled.trials import Attempts, Rewriting, that_help
@@ -189,9 +189,14 @@ def _around(formula: Term, part: Term, names: Names) -> list[Term]:
 def _with_values(asked: _OpenClaim, names: Names) -> Iterator[Rewriting]:
     """Forms of g in which parts that have no value at a tip have one, and with which K seems to be as it was."""
     with suppress(*UNREADABLE, TooDearError), within(_STEPS):
-        if "g" in asked.text and isinstance(asked.subject, FormulaSubject) and isinstance(read := StatedLaw.read(asked.text), StatedLaw):
-            forms = (Rewriting(told, in_text(g, {}), at_tip=True) for told, g in with_values(read, names))
-            yield from (form for form in forms if keeps_k(asked.subject, form.written))
+        subject, read = asked.subject, None if "boundary" in asked.text else StatedLaw.read(asked.text)
+        if read is not None and read.of_rates:
+            at_rest = with_values_at_rest(read, names)
+            yield from [Rewriting(*at_rest, at_tip=True, of="forces_of_rates")] if at_rest else []
+        elif read is not None and "g" in asked.text and isinstance(subject, FormulaSubject):
+            height = f" - {subject.law.forces[-1]}" if read.viscous else ""  # K is {Phi* <= z} then
+            forms = ((told, in_text(form, {})) for told, form in with_values(read, names))
+            yield from (Rewriting(told, g, at_tip=True) for told, g in forms if keeps_k(subject, f"{g}{height}"))
 
 
 def _equal_forms(asked: _OpenClaim, names: Names) -> Iterator[Rewriting]:
@@ -200,7 +205,7 @@ def _equal_forms(asked: _OpenClaim, names: Names) -> Iterator[Rewriting]:
         if "boundary" not in asked.text and isinstance(read := StatedLaw.read(asked.text), StatedLaw):
             stored = epigraph(read)
             for of, term, law in (("energy", read.energy, stored), ("g", read.g, read)):
-                if term is None or law is None:
+                if term is None or law is None or law.of_rates:
                     continue
                 for part, new in islice(equal_forms(term, within_ranges(law)), _MOST_FORMS):
                     where = " in psi" if of == "energy" else ""
@@ -211,7 +216,9 @@ def _equal_forms(asked: _OpenClaim, names: Names) -> Iterator[Rewriting]:
 def _same_k(asked: _OpenClaim, names: Names) -> Iterator[Rewriting]:
     """Forms of g with another formula for one part, and with which K seems to be as it was."""
     subject, law = asked.subject, asked.law
-    associated = isinstance(law, Criterion) and not law.viscous and all(surface.flow is None for surface in law.surfaces)
+    associated = (
+        isinstance(law, Criterion) and not (law.viscous or law.forces_of_rates) and all(surface.flow is None for surface in law.surfaces)
+    )
     # what is false of K is not true of the same K, and other forms would be said to prove it
     false_of_k = any(asked.settled[name].verdict is Verdict.REFUTED for name in ("origin", "convexity") if name in asked.settled)
     with suppress(*UNREADABLE, TooDearError), within(_STEPS):

@@ -52,10 +52,13 @@ _MOST_FORMS, _MOST_SIGNS = 2, 8  # beside g itself; of constants whose sign is a
 
 
 class Rewriting(NamedTuple):
-    """What to write, and the formula ``of`` the law then, g or the energy; ``at_tip`` where a part without a value has one in it."""
+    """What to write, and the formula ``of`` the law then, g or the energy, or its ``forces_of_rates``.
+
+    It is ``at_tip`` where a part without a value has one in it.
+    """
 
     told: str
-    written: str
+    written: str | Mapping[str, str]
     at_tip: bool = False
     of: str = "g"
 
@@ -428,8 +431,10 @@ def _changed(law: Text, form: Rewriting | None, fixed: Choice) -> Text:
     """The law with another formula, and fixed parameters."""
     if form is None:
         return _with(law, fixed)
-    changed = {"flow": None, **law, form.of: form.written}
-    return _with({key: own for key, own in changed.items() if form.of != "g" or key != "surfaces"}, fixed)
+    changed = {**law, form.of: form.written}
+    if form.of == "g":
+        changed = {"flow": None, **{key: own for key, own in changed.items() if key != "surfaces"}}
+    return _with(changed, fixed)
 
 
 def _with(law: Text, fixed: Choice) -> Text:
