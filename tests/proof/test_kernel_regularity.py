@@ -71,6 +71,38 @@ def test_a_tip_where_a_positive_part_is_0(text: str, right: bool) -> None:
     assert regularity.smooth_everywhere(stated.g, over(stated)) is right
 
 
+SECOND, THIRD = "(((a - b)**2 + (b - c)**2 + (c - a)**2)/6)", "((2*a - b - c)*(2*b - c - a)*(2*c - a - b)/27)"
+COSINE = f"(3*sqrt(3)/2*{THIRD}/{SECOND}**(3/2))"
+
+
+@pytest.mark.parametrize(
+    ("text", "right"),
+    [
+        (f"{SECOND}*(2 + m*{COSINE})", True), (f"{SECOND}/(2 + m*{COSINE})**2 + a*b", True), (f"{SECOND}**(3/4)*{COSINE}**2", True),
+        (f"{THIRD}*{COSINE} + {SECOND}", True), (f"sqrt({SECOND})*(2 + m*{COSINE})", False),  # of degree 1
+        (f"a*{SECOND}*{COSINE}", False),  # C^1, and not seen to be so: it is no function of the deviator alone
+        (f"{SECOND}*acos({COSINE})", False),  # singular on the walls of the sector
+        (f"{SECOND}*abs({COSINE})", False), (f"{SECOND}*{COSINE}*sqrt(a**2 + b**2 + c**2)", False),
+        (f"{COSINE}*{SECOND}/sqrt({SECOND})", False),
+    ],
+)  # fmt: skip
+def test_a_tip_where_a_function_of_the_deviator_is_flat(text: str, right: bool) -> None:
+    stated = law(text, forces=("a", "b", "c"), m=UNIT)
+    assert regularity.smooth_everywhere(stated.g, over(stated)) is right
+
+
+@pytest.mark.parametrize("text", [f"{SECOND}*(2 + m*{COSINE})", f"{SECOND}**(3/4)*{COSINE}**2", f"{THIRD}*{COSINE} + {SECOND}"])
+def test_its_slopes_fall_to_0_at_the_axis(text: str) -> None:
+    stated, rng = law(text, forces=("a", "b", "c"), m=UNIT), Random(5)
+    for _ in range(20):
+        way = [rng.gauss(0, 1) for _ in range(3)]
+        slopes = []
+        for near in (1e-2, 1e-4):
+            one, two = ({x: 1 + k * near * w for x, w in zip("abc", way, strict=True)} | {"m": 0.7} for k in (1, 1.001))
+            slopes.append(abs(drawn_formulas.value(stated.g, two) - drawn_formulas.value(stated.g, one)) / (1e-3 * near))
+        assert slopes[1] < slopes[0] / 5
+
+
 def test_a_set_without_inside_has_no_normals() -> None:
     assert not confirmed(law("a**2 + b**2"), "composition", {"inside": {"a": "0"}})
     assert not confirmed(law("(a - m)**2 + b**2", m=POSITIVE), "composition", {"inside": {"a": "m"}})

@@ -30,7 +30,17 @@ from typing import Any, NamedTuple
 from duhem.proof.kernel.bounds import Facts, of_sum
 from duhem.proof.kernel.domain import ANY, NEGATIVE, POSITIVE, ZERO, Sign, StatedDomain, gap
 from duhem.proof.kernel.forms import degree_at_most
-from duhem.proof.kernel.plane_function import PlaneFunction, PlaneVariable, Signs, base_of, derivatives, inner, multiplied, power_of
+from duhem.proof.kernel.plane_function import (
+    PlaneFunction,
+    PlaneVariable,
+    Signs,
+    base_of,
+    derivatives,
+    inner,
+    multiplied,
+    power_of,
+    root_of,
+)
 from duhem.proof.kernel.polynomial import ONE, Polynomial, grouped, in_powers, negated, number_in, solved, times, total, written
 from duhem.proof.kernel.signs import RAY
 from duhem.proof.kernel.spectrum import entries_of, extremes
@@ -253,10 +263,22 @@ class DeviatoricReader(PlaneVariable):
             elif (wave := self.of_wave(part)) is not None:
                 moving.append(wave)
             elif term.op != "+":
-                return None
+                return self.of_root(term)
             else:
                 moving.append(self.domain.facts(part))
         return of_sum([*moving, *map(self.together, groups.values())], constants)
+
+    def of_root(self, term: Term) -> Facts | None:
+        """What is shown of (f^k + c)^e with f >= 0 convex, c >= 0, k >= 1 and e k >= 1: it rises with f, and is convex."""
+        parts = term.args[0].args if term.op == "**" and term.args[0].op == "+" else ()
+        moving, still = ([a for a in parts if self.domain.constant(a) is c] for c in (False, True))
+        e = number_in(self.domain.polynomial(term.args[-1]))
+        if e is None or not moving or not still:
+            return None
+        value, rest = self.added(list(map(self.read, moving))), self.domain.facts(sum_of(*still))
+        known = self.of_one(value)
+        bent = known.quasiconvex and known.nonnegative and value.degree >= 1 and e * value.degree >= 1
+        return Facts(True, POSITIVE | (rest.sign & ZERO), True, False, True) if bent and rest.defined and rest.nonnegative else None
 
     def sign(self, term: Term) -> Sign:
         """The signs that a term may have where the deviator is not 0."""
@@ -287,10 +309,12 @@ class DeviatoricReader(PlaneVariable):
         return None
 
     def phase(self, angle: Term) -> tuple[Polynomial, Polynomial]:
-        """b and g where the angle is b - acos(g c)/3 or its negative, |g| <= 1; acos z may stand as pi/2 - atan(z/sqrt(1 - z^2))."""
+        """b and g where the angle is b - acos(g c)/3 or its negative, |g| <= 1; acos z may stand as pi/2 - asin z, the asin of it as
+        atan(z/sqrt(1 - z^2)).
+        """
         poly = self.domain.polynomial(angle)
         inverse = {x for m in poly for x, _ in m if not self.domain.constant(x)}
-        if len(inverse) != 1 or (x := inverse.pop()).op not in ("acos", "atan"):
+        if len(inverse) != 1 or (x := inverse.pop()).op not in ("acos", "asin", "atan"):
             raise NotWritten("an angle is no third of an acos")
         base, *higher = in_powers(poly, x)
         third = number_in(higher[0]) if len(higher) == 1 else None
@@ -299,8 +323,9 @@ class DeviatoricReader(PlaneVariable):
         z = self.read(x.args[0])
         towards = Fraction(-1 if x.op == "acos" else 1) / third / 3  # 1 where the angle is b - acos/3 as it stands
         b = {m: c * towards for m, c in base.items()}
-        if x.op == "atan":
+        if x.op != "acos":
             b = total(b, {((_PI, 1),): Fraction(1, 6)})
+        if x.op == "atan":
             under = self.plain(total(power_of(self.distance, 6), negated(times(z.poly, z.poly))))
             if z.powers != {base_of(under): {(): Fraction(-1, 2)}}:
                 raise NotWritten("an atan is no acos")
@@ -418,6 +443,8 @@ class DeviatoricReader(PlaneVariable):
                 return self.power(self.read(base.args[0] if even and base.op == "abs" else base), self.domain.polynomial(exponent))
             case "cos":
                 return self.cosine(term.args[0])
+            case "sin":  # the cosine of what is left of a right angle
+                return self.cosine(sum_of(product_of(number(Fraction(1, 2)), _PI), minus(term.args[0])))
             case "where":
                 return self.choice(*term.args)
         raise NotWritten(f"{term.op} is not read as a function of the deviator")
@@ -440,10 +467,23 @@ class DeviatoricReader(PlaneVariable):
         return PlaneFunction(Fraction(degrees.pop() if degrees else 0), found, {})
 
     def cosine(self, angle: Term) -> PlaneFunction:
-        """cos(acos(cos 3 theta)/3) is cos theta = X/N."""
-        if self.phase(angle) != ({}, ONE):
+        """cos(b - theta) is cos b cos theta + sin b sin theta, with cos theta = X/N, and sin theta = 2 d/(sqrt(3) N)."""
+        b, rate = self.phase(angle)
+        if rate == negated(ONE):  # acos(-z) is pi - acos(z), so that b - acos(-z)/3 is the negative of pi/3 - b - acos(z)/3
+            b, rate = total({((_PI, 1),): Fraction(1, 3)}, negated(b)), ONE
+        if rate != ONE:
             raise NotWritten("a cosine is of another angle")
-        return PlaneFunction(Fraction(0), _X, {base_of(self.distance): {(): Fraction(-1)}})
+        sine = self.wave(total({((_PI, 1),): Fraction(1, 2)}, negated(b)))
+        poly = total(times(self.wave(b), _X), times(times(sine, root_of({(): Fraction(4, 3)})), _D))
+        return PlaneFunction(Fraction(0), poly, {base_of(self.distance): {(): Fraction(-1)}})
+
+    def wave(self, angle: Polynomial) -> Polynomial:
+        """The cosine of a constant, of sixths of pi as a number or a root of one."""
+        if {*angle} <= {((_PI, 1),)} and (turns := 6 * angle.get(((_PI, 1),), Fraction(0))).denominator == 1:
+            sixths = abs((int(turns) + 6) % 12 - 6)
+            size = root_of({(): Fraction((4, 3, 1, 0, 1, 3, 4)[sixths], 4)})
+            return size if sixths < 3 else negated(size)
+        return self.domain.polynomial(Term("cos", (written(angle),)))
 
     def choice(self, condition: Term, one: Term, two: Term) -> PlaneFunction:
         """By what is 0 where the deviator is 0 and > 0 elsewhere: what is chosen elsewhere, if it is 0 there."""
