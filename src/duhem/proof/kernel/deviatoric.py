@@ -276,9 +276,10 @@ class DeviatoricReader(PlaneVariable):
         if e is None or not moving or not still:
             return None
         value, rest = self.added(list(map(self.read, moving))), self.domain.facts(sum_of(*still))
+        if min(value.degree, e * value.degree) < 1 or not (rest.defined and rest.nonnegative):
+            return None
         known = self.of_one(value)
-        bent = known.quasiconvex and known.nonnegative and value.degree >= 1 and e * value.degree >= 1
-        return Facts(True, POSITIVE | (rest.sign & ZERO), True, False, True) if bent and rest.defined and rest.nonnegative else None
+        return Facts(True, POSITIVE | (rest.sign & ZERO), True, False, True) if known.quasiconvex and known.nonnegative else None
 
     def sign(self, term: Term) -> Sign:
         """The signs that a term may have where the deviator is not 0."""
