@@ -258,10 +258,10 @@ class DeviatoricReader(PlaneVariable):
         for part in term.args if term.op == "+" else (term,):
             if self.domain.constant(part):
                 constants.append(self.domain.facts(part))
-            elif (value := self.value(part)) is not None and value.degree > 0:
-                groups.setdefault(value.degree, []).append(value)
             elif (wave := self.of_wave(part)) is not None:
                 moving.append(wave)
+            elif (value := self.value(part)) is not None and value.degree > 0:
+                groups.setdefault(value.degree, []).append(value)
             elif term.op != "+":
                 return self.of_root(term)
             else:
@@ -272,8 +272,7 @@ class DeviatoricReader(PlaneVariable):
         """What is shown of (f^k + c)^e with f >= 0 convex, c >= 0, k >= 1 and e k >= 1: it rises with f, and is convex."""
         parts = term.args[0].args if term.op == "**" and term.args[0].op == "+" else ()
         moving, still = ([a for a in parts if self.domain.constant(a) is c] for c in (False, True))
-        e = number_in(self.domain.polynomial(term.args[-1]))
-        if e is None or not moving or not still:
+        if (e := number_in(self.domain.polynomial(term.args[-1]))) is None or not moving or not still:
             return None
         value, rest = self.added(list(map(self.read, moving))), self.domain.facts(sum_of(*still))
         if min(value.degree, e * value.degree) < 1 or not (rest.defined and rest.nonnegative):
@@ -291,7 +290,7 @@ class DeviatoricReader(PlaneVariable):
         return ANY
 
     def of_wave(self, term: Term) -> Facts | None:
-        """What is shown of a multiple of rho cos(b - acos(g c)/3)."""
+        """What is shown of a multiple of rho cos(b - acos(g c)/3) but cos theta, which is read with other functions."""
         parts = factors(term)
         waves = [f for f in parts if f.op == "cos" and not self.domain.constant(f)]
         if len(waves) != 1:
@@ -302,10 +301,10 @@ class DeviatoricReader(PlaneVariable):
             scale = rest.poly
             if rest.degree != 1 or rest.powers != {base_of(self.distance): ONE} or any(RAY.name in x.names() for m in scale for x, _ in m):
                 return None
-            known, offset = self.domain.facts(written(scale)), written(self.phase(waves[0].args[0])[0])
-            ends = (offset, sum_of(product_of(number(Fraction(1, 3)), _PI), minus(offset)))
+            known, (b, rate) = self.domain.facts(written(scale)), self.phase(waves[0].args[0])
+            ends = (offset := written(b), sum_of(product_of(number(Fraction(1, 3)), _PI), minus(offset)))
             inside = all(not self.domain.facts(x).sign & NEGATIVE for x in ends)
-            if inside and known.nonnegative and self.domain.facts(offset).defined:
+            if (b or rate != ONE) and inside and known.nonnegative and self.domain.facts(offset).defined:
                 return Facts(known.defined, ZERO | POSITIVE, True, False, True)
         return None
 

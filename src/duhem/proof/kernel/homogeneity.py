@@ -35,9 +35,10 @@ from typing import NamedTuple
 
 from duhem.proof.kernel.curvature import over, within_ranges
 from duhem.proof.kernel.definedness import Reader, undecided_beside
+from duhem.proof.kernel.dents import summands
 from duhem.proof.kernel.deviatoric import deviatoric_readers
 from duhem.proof.kernel.domain import NEGATIVE, POSITIVE, ZERO, Sign, StatedDomain, gap
-from duhem.proof.kernel.forms import affine, by_forces, degree_at_most
+from duhem.proof.kernel.forms import affine, by_forces
 from duhem.proof.kernel.gradient import gradient
 from duhem.proof.kernel.identity import in_order, signs_as_sizes, vanishes, written_in_order
 from duhem.proof.kernel.normal_form import normal
@@ -46,7 +47,7 @@ from duhem.proof.kernel.polynomial import Monomial, Polynomial, in_powers, joine
 from duhem.proof.kernel.regularity import tips
 from duhem.proof.kernel.semidefinite import only_at_zero_force
 from duhem.proof.kernel.stated_law import StatedLaw
-from duhem.proof.kernel.term import COMPARISONS, NotWritten, Term, factors, minus, number, product_of, sum_of
+from duhem.proof.kernel.term import COMPARISONS, NotWritten, Term, minus, number, product_of, sum_of
 
 __all__ = [
     "Fan", "by_degree", "falls_from_zero", "flows_with_a_share_of_g", "grows_along_rays", "is_a_graph", "is_cone",
@@ -91,23 +92,16 @@ def rises_from_zero_force(g: Term, domain: StatedDomain) -> bool:
 
 
 def _only_at_zero_force(term: Term, domain: StatedDomain) -> bool:
-    """Whether a term is > 0 but at zero force: it is so where J2 > 0, and what it is where J2 = 0 makes with J2 a definite form."""
+    """Whether a term is > 0 but at zero force: its functions of a deviator are so where J2 > 0, and no other part is < 0; what it is where
+    J2 = 0 makes with J2 a definite form.
+    """
     for reader in deviatoric_readers(term, domain):
-        tip, there = written(reader.second), reader.emptied(term)
-        if Reader(domain).undecided(there) is None and only_at_zero_force(sum_of(tip, there), domain):
-            signs = [*map(Reader(domain.where({tip: True}), reader.sign).sign, _summed(term, domain))]
-            return POSITIVE in signs and not any(sign & NEGATIVE for sign in signs)
+        parts, there = [*summands(term, reader)], reader.emptied(term)
+        signs = [reader.sign(x) for x in parts if reader.value(x) is not None]
+        rest = sum_of(*(x for x in parts if reader.value(x) is None))
+        if POSITIVE in signs and not any(sign & NEGATIVE for sign in (*signs, Reader(domain).sign(rest))):
+            return Reader(domain).undecided(there) is None and only_at_zero_force(sum_of(written(reader.second), there), domain)
     return False
-
-
-def _summed(term: Term, domain: StatedDomain) -> Iterator[Term]:
-    """What a sum, perhaps times constants, adds up; a polynomial is left whole."""
-    still, moving = ([x for x in factors(term) if domain.constant(x) is c] for c in (True, False))
-    if len(moving) == 1 and moving[0].op == "+" and degree_at_most(moving[0], domain) is None:
-        for a in moving[0].args:
-            yield from _summed(product_of(*still, a), domain)
-    else:
-        yield term
 
 
 def _is_steep(g: Term, domain: StatedDomain) -> bool:
