@@ -10,6 +10,8 @@ degree 1.  It is convex where it is so around the origin (:mod:`plane_function`)
 turns inward, F' >= 0 at v = 0 and F >= 2 F' at v = 1.  Then so is the function of the tensor (Davis 1957, Arch. Math. 8, 276), and of what
 the tensor is linear in.  With F > 0 of degree k > 0 this is asked of F^(1/k); those of one degree that a sum adds up are taken together.
 
+With theta = acos(c)/3, sin theta = 2 d/(sqrt(3) N) in the sector, so that cos(b - theta) with a constant b is such a function too.
+
 F may have roots of what is > 0 in the sector.  Where that is 0 for parameters at an end of their range alone, F is a limit of convex
 functions.  Where J2 = 0, what is rho^k f, k > 0, rho = sqrt(J2), is 0, by continuity: f is bounded.
 
