@@ -133,16 +133,21 @@ def test_signs_of_constants(text: str, sign: int) -> None:
 
 
 @pytest.mark.parametrize(
-    "text", ["cos(3*atan2(b, a))", "sin(4*atan2(b, a))", "sin(-2*atan2(b, a))", "cos(-atan2(a, b))", "a*sin(2*(3*atan2(b, a - b)))"]
-)
+    "text",
+    [
+        "cos(3*atan2(b, a))", "sin(4*atan2(b, a))", "sin(-2*atan2(b, a))", "cos(-atan2(a, b))", "a*sin(2*(3*atan2(b, a - b)))",
+        "cos(2*(atan2(b, a) - m))", "sin(1 - 3*atan2(b, a) + m)", "cos(2*(m - 2*(atan2(b, a) + pi/3)))", "sin(4*(atan2(b, a) + m/2) - a)",
+        "cos(atan2(b, a) + m + atan2(b, a))", "sin(-2*(m*b - 2*atan2(b, a)))",
+    ],
+)  # fmt: skip
 def test_waves_of_an_angle_are_quotients(text: str) -> None:
     term, algebra = parse(text), without_angles(parse(text))
     assert "atan2" not in repr(algebra)
     for a, b in ((1.0, 2.0), (-1.0, 0.5), (-2.0, -1.0), (0.0, -1.0), (-1.0, 0.0)):
-        at = {"a": a, "b": b}
+        at = {"a": a, "b": b, "m": 0.7, "pi": math.pi}
         assert drawn_formulas.value(algebra, at) == pytest.approx(drawn_formulas.value(term, at), rel=1e-12, abs=1e-12)
     with pytest.raises((ValueError, ZeroDivisionError)):
-        drawn_formulas.value(algebra, {"a": 0.0, "b": 0.0})
+        drawn_formulas.value(algebra, {"a": 0.0, "b": 0.0, "m": 0.7, "pi": math.pi})
 
 
 @pytest.mark.parametrize("text", ["cos(atan2(b, a)/2)", "cos(0*atan2(b, a))", "cos(a*atan2(b, a))", "tan(atan2(b, a))", "cos(2*atan(b/a))"])

@@ -146,7 +146,9 @@ def test_waves_of_an_angle(text: str, upper: str) -> None:
     [
         "cos(25*atan2(b, a))",
         "cos(atan2(b, a)*atan2(b, a))",
-        "cos(2*atan2(b, a) + 1)",
+        "cos(atan2(b, a)/2 + 1)",
+        "cos(atan2(b, a) + atan2(a, b))",
+        "cos(2*atan2(b, a) - 2*atan2(b, a))",
         "exp(2*atan2(b, a))",
         "cos(1.5*atan2(b, a))",
         "cos(2)",

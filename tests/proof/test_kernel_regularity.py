@@ -71,6 +71,79 @@ def test_a_tip_where_a_positive_part_is_0(text: str, right: bool) -> None:
     assert regularity.smooth_everywhere(stated.g, over(stated)) is right
 
 
+SECOND, THIRD = "(((a - b)**2 + (b - c)**2 + (c - a)**2)/6)", "((2*a - b - c)*(2*b - c - a)*(2*c - a - b)/27)"
+COSINE = f"(3*sqrt(3)/2*{THIRD}/{SECOND}**(3/2))"
+
+
+@pytest.mark.parametrize(
+    ("text", "right"),
+    [
+        (f"{SECOND}*(2 + m*{COSINE})", True), (f"{SECOND}/(2 + m*{COSINE})**2 + a*b", True), (f"{SECOND}**(3/4)*{COSINE}**2", True),
+        (f"{THIRD}*{COSINE} + {SECOND}", True), (f"sqrt({SECOND})*(2 + m*{COSINE})", False),  # of degree 1
+        (f"a*{SECOND}*{COSINE}", False),  # C^1, and not seen to be so: it is no function of the deviator alone
+        (f"{SECOND}*acos({COSINE})", False),  # singular on the walls of the sector
+        (f"{SECOND}*abs({COSINE})", False), (f"{SECOND}*{COSINE}*sqrt(a**2 + b**2 + c**2)", False),
+        (f"{COSINE}*{SECOND}/sqrt({SECOND})", False),
+    ],
+)  # fmt: skip
+def test_a_tip_where_a_function_of_the_deviator_is_flat(text: str, right: bool) -> None:
+    stated = law(text, forces=("a", "b", "c"), m=UNIT)
+    assert regularity.smooth_everywhere(stated.g, over(stated)) is right
+
+
+@pytest.mark.parametrize("text", [f"{SECOND}*(2 + m*{COSINE})", f"{SECOND}**(3/4)*{COSINE}**2", f"{THIRD}*{COSINE} + {SECOND}"])
+def test_its_slopes_fall_to_0_at_the_axis(text: str) -> None:
+    stated, rng = law(text, forces=("a", "b", "c"), m=UNIT), Random(5)
+    for _ in range(20):
+        way = [rng.gauss(0, 1) for _ in range(3)]
+        slopes = []
+        for near in (1e-2, 1e-4):
+            one, two = ({x: 1 + k * near * w for x, w in zip("abc", way, strict=True)} | {"m": 0.7} for k in (1, 1.001))
+            slopes.append(abs(drawn_formulas.value(stated.g, two) - drawn_formulas.value(stated.g, one)) / (1e-3 * near))
+        assert slopes[1] < slopes[0] / 5
+
+
+CAPS = [  # K ends at two points of the axis, one of which is zero force
+    f"{SECOND}*(2 + m*{COSINE}) + (a + b + c)**2 - (a + b + c)", f"3*{SECOND}/(2 + m*{COSINE})**2 + (a + b + c)*(a + b + c - k)",
+    f"{SECOND}*(1 + k + m*{COSINE})**(1/4) + (a + b + c)**2/9 - k*(a + b + c)/3", f"{SECOND}*(2 + m*{COSINE}) + a**2 + b**2 + c**2 - a",
+]  # fmt: skip
+OTHERS = [
+    f"{SECOND}*(2 + m*{COSINE}) + (a + b + c)**2",  # K is zero force alone
+    f"{SECOND}*(2 + m*{COSINE}) + (a + b + c)**2 - (m - 1/2)*(a + b + c)",  # so it is for one m
+    f"{SECOND}*(2 + m*{COSINE}) + (a + b + c)**2 - sqrt({SECOND})", f"{SECOND}*(m - 1 + {COSINE}) + (a + b + c)**2 - (a + b + c)",
+    f"{SECOND}*(2 + m*{COSINE}) - (a + b + c)**2 + (a + b + c)",  # S is < 0 on the axis
+    f"{SECOND}*(2 + m*{COSINE}) - (a + b + c)**3 - (a + b + c)", f"{SECOND}*(2 + m*acos({COSINE})) + (a + b + c)**2 - (a + b + c)",
+    f"{SECOND}*(2 + m*{COSINE}) + (a + b + c)**2 - (a + b + c)*(2 + m*{COSINE})",  # without a limit at the axis
+    f"{SECOND}*(2 + m*{COSINE}) + abs(a + b + c)*(a + b + c - 1)",
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("text", "right"), [*((x, True) for x in CAPS), *((x, False) for x in OTHERS)])
+def test_a_cap_that_ends_on_the_axis(text: str, right: bool) -> None:
+    assert confirmed(law(text, forces=("a", "b", "c"), m=UNIT, k=POSITIVE), "euler") is right
+
+
+@pytest.mark.parametrize("text", CAPS)
+def test_its_gradient_is_not_0_and_turns_slowly(text: str) -> None:
+    """Around K, and close to the ends of it on the axis, in floats."""
+    g, rng = law(text, forces=("a", "b", "c"), m=UNIT, k=POSITIVE).g, Random(11)
+
+    def at(point: list[float]) -> float:
+        return drawn_formulas.value(g, dict(zip("abc", point, strict=True)) | {"m": 0.9, "k": 1.5})
+
+    def normal(way: list[float]) -> list[float]:
+        inside, low, high = [0.1, 0.1, 0.1 + 1e-9], 0.0, 50.0
+        for _ in range(60):
+            middle = (low + high) / 2
+            low, high = (middle, high) if at([x + middle * w for x, w in zip(inside, way, strict=True)]) < 0 else (low, middle)
+        here = [x + low * w for x, w in zip(inside, way, strict=True)]
+        return [(at([x + 1e-6 * (i == j) for j, x in enumerate(here)]) - at(here)) / 1e-6 for i in range(3)]
+
+    for way in [[rng.gauss(0, 1) for _ in range(3)] for _ in range(30)] + [[s + rng.gauss(0, 1e-3) for _ in range(3)] for s in (1, -1) * 8]:
+        one, two = normal(way), normal([w + rng.gauss(0, 1e-4) for w in way])
+        assert math.hypot(*one) > 0.1 and math.dist(one, two) < 0.02
+
+
 def test_a_set_without_inside_has_no_normals() -> None:
     assert not confirmed(law("a**2 + b**2"), "composition", {"inside": {"a": "0"}})
     assert not confirmed(law("(a - m)**2 + b**2", m=POSITIVE), "composition", {"inside": {"a": "m"}})

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import math
 from fractions import Fraction
+from itertools import pairwise
+from random import Random
 from typing import Any
 
 import pytest
@@ -32,7 +34,7 @@ PARAMETERS = {"m": {"positive": True}, "e": {"min": "0", "max": "1/2"}, "q": {"m
 
 
 def written_out(text: str) -> str:
-    for word, meaning in (("FIRST", FIRST), ("LAST", LAST), ("I1", I1), ("J2", J2), ("J3", J3)):
+    for word, meaning in (("C3", "(3*sqrt(3)/2*J3/J2**(3/2))"), ("FIRST", FIRST), ("LAST", LAST), ("I1", I1), ("J2", J2), ("J3", J3)):
         text = text.replace(word, meaning)
     return text
 
@@ -61,12 +63,14 @@ VALUES: list[tuple[str, int | F]] = [  # a formula and its degree: above 0 it is
     ("where(J2 > 0, J2/FIRST, FIRST)", 1), ("where(J2 > 0, J2/FIRST, J2/FIRST)", 1),
     ("where(J2/FIRST > 0, J2/FIRST, 0)", 1), ("where(J2 > 0, J2/FIRST, 0) + 2*FIRST", 1), ("-LAST*(2*FIRST + LAST)", 2),
     ("(FIRST/3 - LAST)**3", 3),
+    ("sqrt(J2)*sin(acos(C3)/3)", 1), ("cos(acos(C3)/3 - pi/6)", 0), ("sin(asin(-C3)/3)", 0), ("J2*sin(asin(-C3)/3 + e)**2", 2),
+    ("cos(m - acos(-C3)/3)", 0), ("FIRST/cos(acos(C3)/3 - pi/6)", 1), ("sin(asin(C3)/3 - 2*pi)", 0), ("sin(-acos(-C3)/3 - 7*pi/6)", 0),
     ("abs(LAST/FIRST)**2*FIRST", 1), ("abs(LAST)**4/J2", 2), ("4**(1/2)*FIRST", 1), ("(2*J2)**(1/2)", 1), ("(J2*FIRST**2/4)**(1/2)", 2),
 ]  # fmt: skip
 OTHERS = [
     "FIRST + J2", "FIRST**LAST", "FIRST**e", "exp(FIRST)", "cos(FIRST)", "LAST**(1/2)", "LAST**-1", "(LAST + 2)**2", "a*FIRST", "I1*FIRST",
     "cos(acos(3*sqrt(3)/2*J3/J2**(3/2))/2)", "cos(acos(3*sqrt(3)/2*J3/J2**(3/2)/2)/3)", "cos(acos(J3/J2)/3)",
-    "cos(acos(3*sqrt(3)/2*J3/J2**(3/2)) + 1/3)",
+    "cos(acos(3*sqrt(3)/2*J3/J2**(3/2)) + 1/3)", "sin(asin(C3)/2)", "sin(asin(C3/2)/3)", "tan(asin(C3)/3)", "1/sin(acos(C3)/3)",
     "cos(acos(3*sqrt(3)/2*J3/J2**(3/2))/3 + acos(3*sqrt(3)/2*J3/J2**(3/2))**2)",
     "where(J2 > 0, J2/FIRST, 1)", "where(J2 >= 0, J2/FIRST, 0)", "where(J2 < 0, 0, J2/FIRST)", "where(LAST > 0, J2/FIRST, 0)",
     "where(J2 > 1, J2/FIRST, 0)", "where(J2 > 0, LAST/FIRST, 0)", "where(FIRST/J2 > 0, J2/FIRST, 0)",
@@ -154,6 +158,18 @@ def shown(text: str) -> Facts | None:
 def test_what_is_shown_of_sectors(text: str, expected: str) -> None:
     found = shown(text)
     assert (said(found) if found else "") == expected
+
+
+def test_drawn_waves_are_convex_where_chords_find_them_so() -> None:
+    rng = Random(3)
+    for _ in range(40):
+        low, offset = rng.choice(("asin", "acos")), F(rng.randint(-40, 40), 20)
+        text = f"sqrt(J2)*{rng.choice(('cos', 'sin'))}({offset} + {low}({rng.choice('+-')}C3)/3)"
+        term, found = parse(written_out(text)), shown(text)
+        points = [{"a": rng.gauss(0, 1), "b": rng.gauss(0, 1), "c": rng.gauss(0, 1), "pi": math.pi} for _ in range(400)]
+        between = [({k: (p[k] + q[k]) / 2 for k in p}, p, q) for p, q in pairwise(points)]
+        gaps = [drawn_formulas.value(term, m) * 2 - drawn_formulas.value(term, p) - drawn_formulas.value(term, q) for m, p, q in between]
+        assert (found is not None and found.convex) is (max(gaps) < 1e-9), text
 
 
 COSINE = "cos(acos(3*sqrt(3)/2*J3/J2**(3/2))/3)"  # without a value where the deviator is 0; FIRST times it is 0 there by continuity

@@ -293,7 +293,10 @@ def regular_along_rays(law: StatedLaw, evidence: Evidence) -> bool:
     there = law.once(where_it_has_a_value) if _inside_at_tips(law) else within_ranges(law)
     read = _where_defined(law, _over(law, evidence), there, _inside_at_tips(law))
     graph = degrees.is_a_graph(law)
-    return any((graph or degrees.grows_along_rays(*place, steep=True)) and smooth_near_the_boundary(*place) for place in read)
+    if any((graph or degrees.grows_along_rays(*place, steep=True)) and smooth_near_the_boundary(*place) for place in read):
+        return True
+    continued = over(law).facts(law.g).defined or (law.once(obligations.limits) and not chooses(law.g, over(law)))
+    return bool(continued) and degrees.rises_from_zero_force(law.g, over(law)) and smooth_near_the_boundary(law.g, over(law))
 
 
 def one_force(law: StatedLaw, evidence: Evidence) -> bool:

@@ -41,8 +41,8 @@ from duhem.proof.kernel.polynomial import added, divided, number_in, scaled, wri
 from duhem.proof.kernel.term import COMPARISONS, NotWritten, Term, minus, number, product_of, sum_of
 
 __all__ = [
-    "AGAINST", "Reader", "asks", "continued", "divides_by_zero_force", "has_value", "in_quotients", "put_over_divisors", "rarely_zero",
-    "sign_on_axis", "undecided_beside",
+    "AGAINST", "Reader", "asks", "continued", "divides_by_zero_force", "flat_on_axis", "has_value", "in_quotients", "put_over_divisors",
+    "rarely_zero", "sign_on_axis", "undecided_beside",
 ]  # fmt: skip
 
 AGAINST = {"<": ">=", "<=": ">", ">": "<=", ">=": "<"}  # what holds where a comparison does not
@@ -271,6 +271,12 @@ def sign_on_axis(g: Term, tip: Term, domain: StatedDomain) -> Sign:
         if value.defined:
             return value.sign
     return ANY
+
+
+def flat_on_axis(term: Term, tips: Iterable[Term], domain: StatedDomain) -> bool:
+    """Whether a term is rho^k h, k > 1, h of the direction of the deviator alone, and each of the ``tips`` is > 0 but where J2 = 0."""
+    readers = (reader for reader in deviatoric_readers(term, domain) if (reader.degree(term) or 0) > 1)
+    return any(all(reader.sign(tip) == POSITIVE for tip in tips) for reader in readers)
 
 
 def divides_by_zero_force(g: Term, domain: StatedDomain) -> bool:

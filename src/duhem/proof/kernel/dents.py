@@ -34,7 +34,7 @@ from duhem.proof.kernel.simpler_laws import in_principal_stresses, without_outer
 from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.kernel.term import NotWritten, Term, factors, minus, number, product_of, sum_of
 
-__all__ = ["FAMILIES", "Dent", "dents", "falls_both_ways", "form_of"]
+__all__ = ["FAMILIES", "Dent", "dents", "falls_both_ways", "form_of", "summands"]
 
 _ZERO, _HALF, _ONE = Fraction(0), Fraction(1, 2), Fraction(1)
 _MOST_ROWS, _MOST_WAYS = 4, 20  # of a minor; along which a form may be > 0
@@ -129,7 +129,7 @@ def _deviatoric_parts(law: StatedLaw, domain: StatedDomain, reader: DeviatoricRe
     principal = len(names) == 3 and told == meanings[0]
     swap = {names[2]: sum_of(minus(names[0]), minus(names[1]))} if principal else {}
     values, rest = dict[Fraction, list[PlaneFunction]](), list[Term]()
-    for part in _summands(law.g, reader):
+    for part in summands(law.g, reader):
         value = None if domain.constant(part) else reader.value(part)
         if value is not None and value.degree > 0:
             values.setdefault(value.degree, []).append(value)
@@ -142,7 +142,7 @@ def _deviatoric_parts(law: StatedLaw, domain: StatedDomain, reader: DeviatoricRe
     return [reader.added(values[degree]) for degree in sorted(values)]
 
 
-def _summands(term: Term, reader: DeviatoricReader) -> Iterator[Term]:
+def summands(term: Term, reader: DeviatoricReader) -> Iterator[Term]:
     """The parts of a sum that is no such function as a whole; of a constant times one, those of this times the constant."""
     moving = [f for f in factors(term) if not reader.domain.constant(f)]
     if len(moving) != 1 or moving[0].op != "+" or reader.value(term) is not None:
@@ -150,7 +150,7 @@ def _summands(term: Term, reader: DeviatoricReader) -> Iterator[Term]:
         return
     scale = [f for f in factors(term) if f is not moving[0]]
     for part in moving[0].args:
-        yield from _summands(product_of(*scale, part) if scale else part, reader)
+        yield from summands(product_of(*scale, part) if scale else part, reader)
 
 
 def _moves_with_the_trace(rest: list[Term], names: list[Term], domain: StatedDomain) -> bool:

@@ -10,6 +10,8 @@ degree 1.  It is convex where it is so around the origin (:mod:`plane_function`)
 turns inward, F' >= 0 at v = 0 and F >= 2 F' at v = 1.  Then so is the function of the tensor (Davis 1957, Arch. Math. 8, 276), and of what
 the tensor is linear in.  With F > 0 of degree k > 0 this is asked of F^(1/k); those of one degree that a sum adds up are taken together.
 
+With theta = acos(c)/3, sin theta = 2 d/(sqrt(3) N) in the sector, so that cos(b - theta) with a constant b is such a function too.
+
 F may have roots of what is > 0 in the sector.  Where that is 0 for parameters at an end of their range alone, F is a limit of convex
 functions.  Where J2 = 0, what is rho^k f, k > 0, rho = sqrt(J2), is 0, by continuity: f is bounded.
 
@@ -30,7 +32,17 @@ from typing import Any, NamedTuple
 from duhem.proof.kernel.bounds import Facts, of_sum
 from duhem.proof.kernel.domain import ANY, NEGATIVE, POSITIVE, ZERO, Sign, StatedDomain, gap
 from duhem.proof.kernel.forms import degree_at_most
-from duhem.proof.kernel.plane_function import PlaneFunction, PlaneVariable, Signs, base_of, derivatives, inner, multiplied, power_of
+from duhem.proof.kernel.plane_function import (
+    PlaneFunction,
+    PlaneVariable,
+    Signs,
+    base_of,
+    derivatives,
+    inner,
+    multiplied,
+    power_of,
+    root_of,
+)
 from duhem.proof.kernel.polynomial import ONE, Polynomial, grouped, in_powers, negated, number_in, solved, times, total, written
 from duhem.proof.kernel.signs import RAY
 from duhem.proof.kernel.spectrum import entries_of, extremes
@@ -248,15 +260,27 @@ class DeviatoricReader(PlaneVariable):
         for part in term.args if term.op == "+" else (term,):
             if self.domain.constant(part):
                 constants.append(self.domain.facts(part))
-            elif (value := self.value(part)) is not None and value.degree > 0:
-                groups.setdefault(value.degree, []).append(value)
             elif (wave := self.of_wave(part)) is not None:
                 moving.append(wave)
+            elif (value := self.value(part)) is not None and value.degree > 0:
+                groups.setdefault(value.degree, []).append(value)
             elif term.op != "+":
-                return None
+                return self.of_root(term)
             else:
                 moving.append(self.domain.facts(part))
         return of_sum([*moving, *map(self.together, groups.values())], constants)
+
+    def of_root(self, term: Term) -> Facts | None:
+        """What is shown of (f^k + c)^e with f >= 0 convex, c >= 0, k >= 1 and e k >= 1: it rises with f, and is convex."""
+        parts = term.args[0].args if term.op == "**" and term.args[0].op == "+" else ()
+        moving, still = ([a for a in parts if self.domain.constant(a) is c] for c in (False, True))
+        if (e := number_in(self.domain.polynomial(term.args[-1]))) is None or not moving or not still:
+            return None
+        value, rest = self.added(list(map(self.read, moving))), self.domain.facts(sum_of(*still))
+        if min(value.degree, e * value.degree) < 1 or not (rest.defined and rest.nonnegative):
+            return None
+        known = self.of_one(value)
+        return Facts(True, POSITIVE | (rest.sign & ZERO), True, False, True) if known.quasiconvex and known.nonnegative else None
 
     def sign(self, term: Term) -> Sign:
         """The signs that a term may have where the deviator is not 0."""
@@ -268,7 +292,7 @@ class DeviatoricReader(PlaneVariable):
         return ANY
 
     def of_wave(self, term: Term) -> Facts | None:
-        """What is shown of a multiple of rho cos(b - acos(g c)/3)."""
+        """What is shown of a multiple of rho cos(b - acos(g c)/3) but cos theta, which is read with other functions."""
         parts = factors(term)
         waves = [f for f in parts if f.op == "cos" and not self.domain.constant(f)]
         if len(waves) != 1:
@@ -279,18 +303,20 @@ class DeviatoricReader(PlaneVariable):
             scale = rest.poly
             if rest.degree != 1 or rest.powers != {base_of(self.distance): ONE} or any(RAY.name in x.names() for m in scale for x, _ in m):
                 return None
-            known, offset = self.domain.facts(written(scale)), written(self.phase(waves[0].args[0])[0])
-            ends = (offset, sum_of(product_of(number(Fraction(1, 3)), _PI), minus(offset)))
+            known, (b, rate) = self.domain.facts(written(scale)), self.phase(waves[0].args[0])
+            ends = (offset := written(b), sum_of(product_of(number(Fraction(1, 3)), _PI), minus(offset)))
             inside = all(not self.domain.facts(x).sign & NEGATIVE for x in ends)
-            if inside and known.nonnegative and self.domain.facts(offset).defined:
+            if (b or rate != ONE) and inside and known.nonnegative and self.domain.facts(offset).defined:
                 return Facts(known.defined, ZERO | POSITIVE, True, False, True)
         return None
 
     def phase(self, angle: Term) -> tuple[Polynomial, Polynomial]:
-        """b and g where the angle is b - acos(g c)/3 or its negative, |g| <= 1; acos z may stand as pi/2 - atan(z/sqrt(1 - z^2))."""
+        """b and g where the angle is b - acos(g c)/3 or its negative, |g| <= 1; acos z may stand as pi/2 - asin z, the asin of it as
+        atan(z/sqrt(1 - z^2)).
+        """
         poly = self.domain.polynomial(angle)
         inverse = {x for m in poly for x, _ in m if not self.domain.constant(x)}
-        if len(inverse) != 1 or (x := inverse.pop()).op not in ("acos", "atan"):
+        if len(inverse) != 1 or (x := inverse.pop()).op not in ("acos", "asin", "atan"):
             raise NotWritten("an angle is no third of an acos")
         base, *higher = in_powers(poly, x)
         third = number_in(higher[0]) if len(higher) == 1 else None
@@ -299,8 +325,9 @@ class DeviatoricReader(PlaneVariable):
         z = self.read(x.args[0])
         towards = Fraction(-1 if x.op == "acos" else 1) / third / 3  # 1 where the angle is b - acos/3 as it stands
         b = {m: c * towards for m, c in base.items()}
-        if x.op == "atan":
+        if x.op != "acos":
             b = total(b, {((_PI, 1),): Fraction(1, 6)})
+        if x.op == "atan":
             under = self.plain(total(power_of(self.distance, 6), negated(times(z.poly, z.poly))))
             if z.powers != {base_of(under): {(): Fraction(-1, 2)}}:
                 raise NotWritten("an atan is no acos")
@@ -418,6 +445,8 @@ class DeviatoricReader(PlaneVariable):
                 return self.power(self.read(base.args[0] if even and base.op == "abs" else base), self.domain.polynomial(exponent))
             case "cos":
                 return self.cosine(term.args[0])
+            case "sin":  # the cosine of what is left of a right angle
+                return self.cosine(sum_of(product_of(number(Fraction(1, 2)), _PI), minus(term.args[0])))
             case "where":
                 return self.choice(*term.args)
         raise NotWritten(f"{term.op} is not read as a function of the deviator")
@@ -440,10 +469,23 @@ class DeviatoricReader(PlaneVariable):
         return PlaneFunction(Fraction(degrees.pop() if degrees else 0), found, {})
 
     def cosine(self, angle: Term) -> PlaneFunction:
-        """cos(acos(cos 3 theta)/3) is cos theta = X/N."""
-        if self.phase(angle) != ({}, ONE):
+        """cos(b - theta) is cos b cos theta + sin b sin theta, with cos theta = X/N, and sin theta = 2 d/(sqrt(3) N)."""
+        b, rate = self.phase(angle)
+        if rate == negated(ONE):  # acos(-z) is pi - acos(z), so that b - acos(-z)/3 is the negative of pi/3 - b - acos(z)/3
+            b, rate = total({((_PI, 1),): Fraction(1, 3)}, negated(b)), ONE
+        if rate != ONE:
             raise NotWritten("a cosine is of another angle")
-        return PlaneFunction(Fraction(0), _X, {base_of(self.distance): {(): Fraction(-1)}})
+        sine = self.wave(total({((_PI, 1),): Fraction(1, 2)}, negated(b)))
+        poly = total(times(self.wave(b), _X), times(times(sine, root_of({(): Fraction(4, 3)})), _D))
+        return PlaneFunction(Fraction(0), poly, {base_of(self.distance): {(): Fraction(-1)}})
+
+    def wave(self, angle: Polynomial) -> Polynomial:
+        """The cosine of a constant, of sixths of pi as a number or a root of one."""
+        if {*angle} <= {((_PI, 1),)} and (turns := 6 * angle.get(((_PI, 1),), Fraction(0))).denominator == 1:
+            sixths = abs((int(turns) + 6) % 12 - 6)
+            size = root_of({(): Fraction((4, 3, 1, 0, 1, 3, 4)[sixths], 4)})
+            return size if sixths < 3 else negated(size)
+        return self.domain.polynomial(Term("cos", (written(angle),)))
 
     def choice(self, condition: Term, one: Term, two: Term) -> PlaneFunction:
         """By what is 0 where the deviator is 0 and > 0 elsewhere: what is chosen elsewhere, if it is 0 there."""

@@ -35,20 +35,23 @@ from typing import NamedTuple
 
 from duhem.proof.kernel.curvature import over, within_ranges
 from duhem.proof.kernel.definedness import Reader, undecided_beside
+from duhem.proof.kernel.dents import summands
+from duhem.proof.kernel.deviatoric import deviatoric_readers
 from duhem.proof.kernel.domain import NEGATIVE, POSITIVE, ZERO, Sign, StatedDomain, gap
 from duhem.proof.kernel.forms import affine, by_forces
 from duhem.proof.kernel.gradient import gradient
 from duhem.proof.kernel.identity import in_order, signs_as_sizes, vanishes, written_in_order
 from duhem.proof.kernel.normal_form import normal
 from duhem.proof.kernel.pieces import CHOICES, choice, chooses, pieces
-from duhem.proof.kernel.polynomial import Monomial, Polynomial, in_powers, joined, times, total, written
+from duhem.proof.kernel.polynomial import Monomial, Polynomial, in_powers, joined, negated, times, total, written
 from duhem.proof.kernel.regularity import tips
+from duhem.proof.kernel.semidefinite import only_at_zero_force
 from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.kernel.term import COMPARISONS, NotWritten, Term, minus, number, product_of, sum_of
 
 __all__ = [
     "Fan", "by_degree", "falls_from_zero", "flows_with_a_share_of_g", "grows_along_rays", "is_a_graph", "is_cone",
-    "potential_flows_outward",
+    "potential_flows_outward", "rises_from_zero_force",
 ]  # fmt: skip
 
 _JUMPING = ("where", "atan2")
@@ -60,14 +63,45 @@ def grows_along_rays(g: Term, domain: StatedDomain, steep: bool) -> bool:
     if (kink := choice(g, domain)) is not None and kink.op == "where" and kink.args[0].op in COMPARISONS:
         values = [g.put({kink: value}) for value in kink.args[1:]]
         return len(by_degree(gap(kink.args[0]), domain)) == 1 and all(grows_along_rays(value, domain, steep) for value in values)
+    _, sums = _rates(g, domain)
+    signs = [Reader(domain).sign(x) & domain.facts(written(domain.without_quotients(domain.polynomial(x)))).sign for x in sums]
+    return POSITIVE in signs or (any(not sign & NEGATIVE for sign in signs) and (not steep or _is_steep(g, domain)))
+
+
+def _rates(g: Term, domain: StatedDomain) -> tuple[dict[Term, Term], list[Term]]:
+    """The parts of g by their degrees, and S for each of these degrees as m."""
     poly = domain.polynomial(g)
     logs = {x: _degree_of_all(x.args, domain) for m in poly for x, _ in m if x.op == "log" and not domain.constant(x)}
     more = [product_of(logs[x], written({joined(m, ((x, -1),)): c * n})) for m, c in poly.items() for x, n in m if x in logs]
     parts = by_degree(g, domain, logs)
     without = [{k: written_in_order(domain.polynomial(sum_of(k, minus(m)))) for k in parts if k != m} for m in parts]
-    sums = [sum_of(*more, *(product_of(c, parts[k]) for k, c in rates.items())) for rates in without]
-    signs = [Reader(domain).sign(x) & domain.facts(written(domain.without_quotients(domain.polynomial(x)))).sign for x in sums]
-    return POSITIVE in signs or (any(not sign & NEGATIVE for sign in signs) and (not steep or _is_steep(g, domain)))
+    return parts, [sum_of(*more, *(product_of(c, parts[k]) for k, c in rates.items())) for rates in without]
+
+
+def rises_from_zero_force(g: Term, domain: StatedDomain) -> bool:
+    """Whether grad g != 0 wherever g = 0, g being C^1: S is > 0 but at zero force, where one part of g is linear and not 0, and the others
+    are of degrees above 1.  Where J2 = 0 g and S are what they are by continuity.
+    """
+    parts, sums = _rates(g, domain)
+    linear = by_forces(domain.polynomial(parts.get(number(1), number(0))), domain)
+    if any(domain.facts(sum_of(k, number(-1))).sign != POSITIVE for k in parts if k != number(1)):
+        return False
+    if any(x.op != "name" for m in linear for x, _ in m) or all(domain.facts(written(c)).sign & ZERO for c in linear.values()):
+        return False
+    return any(_only_at_zero_force(x, domain) for x in sums)
+
+
+def _only_at_zero_force(term: Term, domain: StatedDomain) -> bool:
+    """Whether a term is > 0 but at zero force: its functions of a deviator are so where J2 > 0, and no other part is < 0; what it is where
+    J2 = 0 makes with J2 a definite form.
+    """
+    for reader in deviatoric_readers(term, domain):
+        parts, there = [*summands(term, reader)], reader.emptied(term)
+        signs = [reader.sign(x) for x in parts if reader.value(x) is not None]
+        rest = sum_of(*(x for x in parts if reader.value(x) is None))
+        if POSITIVE in signs and not any(sign & NEGATIVE for sign in (*signs, Reader(domain).sign(rest))):
+            return Reader(domain).undecided(there) is None and only_at_zero_force(sum_of(written(reader.second), there), domain)
+    return False
 
 
 def _is_steep(g: Term, domain: StatedDomain) -> bool:
@@ -160,8 +194,9 @@ def by_degree(term: Term, domain: StatedDomain, free: Collection[Term] = ()) -> 
         parts.setdefault(written_in_order(domain.polynomial(_rate(m, domain, free))), {})[m] = c
     found = {k: written(part) for k, part in parts.items()}
     for k, part in parts.items():
-        own = sum_of(*(a for a in term.args if domain.polynomial(a).keys() <= part.keys())) if term.op == "+" else term
-        found[k] = own if domain.polynomial(own) == part and not domain.constant(found[k]) else found[k]
+        own = [a for a in term.args if domain.polynomial(a).keys() <= part.keys()] if term.op == "+" else [term]
+        rest = total(part, negated(domain.polynomial(sum_of(*own))))
+        found[k] = found[k] if domain.constant(found[k]) else sum_of(*own, *([written(rest)] if rest else []))
     return found
 
 

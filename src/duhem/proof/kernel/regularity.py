@@ -6,6 +6,9 @@ norm: only the tip is left where the norm is 0.
 Let G(x, z) be C^1 and even in every z_i, and r_i(x) >= 0 convex, and C^1 where it is > 0.  Then G(x, r(x)) is C^1, where r_i = 0 too:
 dG/dz_i is 0 for z_i = 0, and r_i is Lipschitz, so that the share dG/dz_i grad r_i of the gradient tends to 0 there.
 
+Let f be rho^k h, rho = sqrt(J2), k > 1, h of the direction of the deviator alone, and C^1 where rho > 0.  Its slopes are rho^(k - 1) times
+what is bounded, being continuous in the direction: f and they tend to 0 where J2 = 0, so that f, with 0 for its value there, is C^1.
+
 Let G(x, z) be C^1 and not change with the order of z, the eigenvalues of a symmetric matrix A = U' diag(z) U that is affine in x, or of
 each of several: then it is C^1 in x.  Its gradient in A is U' diag(dG/dz) U (Lewis 1996, Math. Oper. Res. 21, 576, theorem 1.1), for every
 such U the same; so it is continuous: where A and x tend to a limit, so do z, and U for a subsequence.
@@ -15,9 +18,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
-from duhem.proof.kernel.definedness import sign_on_axis
+from duhem.proof.kernel.definedness import flat_on_axis, sign_on_axis
 from duhem.proof.kernel.domain import ANY, NEGATIVE, POSITIVE, ZERO, Sign, StatedDomain
 from duhem.proof.kernel.identity import multiplied_through
 from duhem.proof.kernel.normal_form import normal
@@ -110,6 +113,8 @@ def regularity(term: Term, domain: StatedDomain) -> Kinks | None:
     known: dict[Term, Kinks | None] = domain.kept.setdefault("regularity", {})
     if term not in known:
         found = _of_parts(term, domain)
+        if found is not None and found.tips and not found.kinks and flat_on_axis(term, found.tips, domain):
+            found = replace(found, tips=frozenset())
         if term.op == "+" and (found is None or found.kinks or found.tips) and not term.large:
             with suppress(NotWritten):
                 found = _freed_of_parts(term, domain) or found

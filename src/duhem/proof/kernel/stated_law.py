@@ -1,7 +1,8 @@
 """A law as its text says it.
 
 Waves of an angle are read as algebra: cos(k atan2(q, p)) is Re (p + i q)^k / |(p, q)|^k for whole k, sin its Im (de Moivre 1722).
-Both sides are undefined at p = q = 0, and there alone, so that the formula stays what it is.
+Both sides are undefined at p = q = 0, and there alone, so that the formula stays what it is.  What is added to the angle is parted from
+it by the theorem on the cosine, or the sine, of a sum.
 """
 
 from __future__ import annotations
@@ -88,18 +89,37 @@ def without_angles(term: Term) -> Term:
 
 
 def _without_angle(here: Term) -> Term:
-    (angle,) = here.args
-    turns = prod((x.value for x in factors(angle) if x.op == "number"), start=Fraction(1))
-    moving = [x for x in factors(angle) if x.op != "number"]
-    if [x.op for x in moving] != ["atan2"] or turns.denominator > 1 or not 0 < abs(turns) <= _MOST_TURNS:
+    """cos(k A + b) = cos(k A) cos b - sin(k A) sin b, and so sin, for an angle A; any other wave as it is."""
+    parts = _summed(here.args[0], Fraction(1))
+    angles, odd = {x for x, _ in parts if x.op == "atan2"}, here.op == "sin"
+    turns = sum((k for x, k in parts if x in angles), Fraction(0))
+    if len(angles) != 1 or turns.denominator > 1 or not 0 < abs(turns) <= _MOST_TURNS:
         return here
-    ((q, p),), k, odd = (x.args for x in moving), abs(int(turns)), here.op == "sin"
-    sense = -1 if odd and turns < 0 else 1
+    (q, p), rest = angles.pop().args, [product_of(number(k), x) for x, k in parts if x.op != "atan2"]
+    own, other = (_of_turns(q, p, int(turns), way) for way in (odd, not odd))
+    if not rest:
+        return bounded(own)
+    cosine, sine = (Term(word, (sum_of(*rest),)) for word in ("cos", "sin"))
+    return bounded(sum_of(product_of(own, cosine), product_of(number(1 if odd else -1), other, sine)))
+
+
+def _summed(term: Term, scale: Fraction) -> list[tuple[Term, Fraction]]:
+    """What a sum, perhaps times a number, adds up, and how often."""
+    others = [x for x in factors(term) if x.op != "number"]
+    scale = prod((x.value for x in factors(term) if x.op == "number"), start=scale)
+    if len(others) == 1 and others[0].op == "+":
+        return [part for a in others[0].args for part in _summed(a, scale)]
+    return [(others[0] if len(others) == 1 else product_of(*others), scale)]
+
+
+def _of_turns(q: Term, p: Term, k: int, odd: bool) -> Term:
+    """cos(k atan2(q, p)), or the sine if ``odd``."""
+    sense, n = -1 if odd and k < 0 else 1, abs(k)
     parts = (
-        product_of(number(sense * (-1) ** (j // 2) * comb(k, j)), Term("**", (p, number(k - j))), Term("**", (q, number(j))))
-        for j in range(odd, k + 1, 2)
+        product_of(number(sense * (-1) ** (j // 2) * comb(n, j)), Term("**", (p, number(n - j))), Term("**", (q, number(j))))
+        for j in range(odd, n + 1, 2)
     )
-    return bounded(product_of(sum_of(*parts), Term("**", (Term("norm", (p, q)), number(-k)))))
+    return product_of(sum_of(*parts), Term("**", (Term("norm", (p, q)), number(-n))))
 
 
 class StatedFace(NamedTuple):
