@@ -356,20 +356,19 @@ def _boxed(law: Text, known: Sequence[Choice], ranges: RangesAt, asked: _Asked) 
     The narrowest are asked first, as these cost least.  As far as the claim is shown, each parameter may then have any value, each force
     has the widest range or more of it, and a parameter any value around that which was tried.
     """
-
     cost = 0  # steps for the widest yet
 
-    def shown(changed: Text, times: int = 3) -> bool:
+    def shown(changed: Text, times: int = 1) -> bool:
         """Whether it is shown, where so many times the steps are left, as what is wider takes more."""
         nonlocal cost
-        before, most = asked.tried.steps, min(_IN_A_BOX, _TIMES * cost or _IN_A_BOX)
+        before, most = asked.tried.steps, _IN_A_BOX if times == 1 else min(_IN_A_BOX, _TIMES * cost or _IN_A_BOX)
         if holds := times * cost <= _IN_A_BOX and asked(changed, rules=_IN_BOXES[asked.claim], most=most):
             cost = before - asked.tried.steps
         return holds
 
     for values in known if asked.claim in _IN_BOXES else ():
         asked.steps, boxes, free = _A_KIND, [*ranges(values)], law["parameters"]
-        if not (found := [*takewhile(partial(shown, times=2), ({**_with(law, values), "domain": box} for box in reversed(boxes)))]):
+        if not (found := [*takewhile(shown, ({**_with(law, values), "domain": box} for box in reversed(boxes)))]):
             continue
         boxed = found[-1]
         asked.widens()
@@ -379,7 +378,8 @@ def _boxed(law: Text, known: Sequence[Choice], ranges: RangesAt, asked: _Asked) 
         wider += [("parameters", [{x: part} for part in _around(free[x], value)]) for x, value in values.items()]
         for section, ways in wider:
             if section == "domain" or any("value" in boxed[section][x] for way in ways[:1] for x in way):  # it is not free yet
-                boxed = next(filter(shown, ({**boxed, section: {**boxed[section], **way}} for way in ways)), boxed)
+                holds = partial(shown, times=1 if section == "domain" else 2)
+                boxed = next(filter(holds, ({**boxed, section: {**boxed[section], **way}} for way in ways)), boxed)
         box, narrower = boxed["domain"], {x: own for x in values if (own := boxed["parameters"][x]) != law["parameters"][x]}
         fixed = {x: narrower.pop(x)["value"] for x in values if "value" in narrower.get(x, ())}
         near = f"ask for forces near K alone: {_entries(box)} in the section [domain]"
