@@ -281,8 +281,9 @@ def test_a_product_of_an_energy_is_written_with_the_same_value() -> None:
 
 
 @pytest.mark.parametrize(
-    "g", ["cosh(a)*cosh(b/2)*c", "exp(a)*exp(-b)*c - 1", "(2*a + 3)*log(1 + a/2)*c", "a*log(c + a) + cosh(a)*cosh(a + b)*cosh(b)"]
-)
+    "g", ["cosh(a)*cosh(b/2)*c", "exp(a)*exp(-b)*c - 1", "(2*a + 3)*log(1 + a/2)*c", "a*log(c + a) + cosh(a)*cosh(a + b)*cosh(b)",
+          "a**2 + b**2 + c*abs(a*b) - 1", "3 + abs(a*b)*(1 + c)/2 + b*abs(a*b - c)"]
+)  # fmt: skip
 def test_equal_forms_have_the_same_values(g: str) -> None:
     read, draw = StatedLaw.read(law_as_text(law(g, {"c": POSITIVE}))), Random(5)
     forms = list(equal_forms(read.g, within_ranges(read)))
@@ -290,6 +291,47 @@ def test_equal_forms_have_the_same_values(g: str) -> None:
     for part, new in forms:
         at = {"a": draw.uniform(0, 2), "b": draw.uniform(-2, 2), "c": draw.uniform(1, 2)}
         assert math.isclose(drawn_formulas.value(read.g.put({part: new}), at), drawn_formulas.value(read.g, at), rel_tol=1e-12)
+
+
+def test_a_size_that_is_no_convex_one_is_written_as_the_greater_of_two_where_its_factor_is_at_least_0() -> None:
+    """As in Ilyushin's criterion for plates: both formulas are quadratic."""
+    plate = law("m**2 + n**2 + p**2 + q**2 + k*abs(m*n + p*q) - 1", {"k": Domain.between(0, 1)}, "mnpq")
+    (told,) = opened(plate, "convexity").actions
+    assert told.startswith("write max(m**2 + n**2 + p**2 + q**2 + k*(m*n + p*q) - 1, m**2 + n**2 + p**2 + q**2 - k*(m*n + p*q) - 1) for ")
+    assert verify(changed(plate, told), claims=["convexity"])["convexity"].verdict is Verdict.PROVED
+    for g in ("m**2 - k*abs(m*n) - 1", "m**2 + (k - 1/2)*abs(m*n) - 1", "m**2 + k*abs(m + n) - 1", "m**2 + n*abs(m*n) - 1"):
+        read = StatedLaw.read(law_as_text(law(g, {"k": Domain.between(0, 1)}, "mn")))
+        assert not any(new.op == "max" for _, new in equal_forms(read.g, within_ranges(read)))
+
+
+@pytest.mark.parametrize(
+    ("left", "right"),
+    [("m**2", "h*k"), ("m", "1"), ("3*m**2*h", "h**3*k**3 + 3*h**2*k**2 + 3*h*k + 1 + h**3*k**2*m**2 + 2*h**2*k*m**2 + h*m**2")],
+)
+def test_a_constraint_of_many_terms_is_told_in_factors(left: str, right: str) -> None:
+    told = trials._compared(parse(f"{right} - {left}"), strict=False)
+    one, two = (parse(side) for side in told.split(" <= "))
+    assert len(told) <= len(f"{left} <= {right}")
+    for seed in range(5):
+        at = {name: Random(seed).uniform(0.5, 2) for name in "mhk"}
+        for side, own in ((one, left), (two, right)):
+            assert math.isclose(drawn_formulas.value(side, at), drawn_formulas.value(parse(own), at), rel_tol=1e-12)
+
+
+@pytest.mark.parametrize(("claim", "sign"), [("dissipation", "<="), ("smoothness", "<")])
+def test_a_root_of_a_quadratic_form_is_told_the_minors_of_its_matrix(claim: str, sign: str) -> None:
+    """As in Gol'denblat and Kopnov's criterion: the root has a value for all forces, and is convex, where the form is >= 0."""
+    ply = law("a/10 + sqrt(h*a**2 + 2*m*a*b + k*b**2) - 1", {"h": POSITIVE, "k": POSITIVE, "m": ANY})
+    (told,) = opened(ply, claim).actions
+    assert told.startswith(f'add the constraint "m**2 {sign} h*k"')
+    assert verify(changed(ply, told), claims=[claim])[claim].verdict is Verdict.PROVED
+
+
+def test_what_a_rule_for_ranges_shows_is_asked_though_the_others_did_not_show_it() -> None:
+    box = {"domain": {x: {"min": "-2", "max": "2"} for x in "ab"}}
+    wave = law_as_text(law("a**2 + b**2*(1 + tanh(a)/5) + sin(a)*b/5 - 1")) | box
+    asked = trials._Asked("smoothness", wave, frozenset(), None, trials.Attempts())
+    assert [asked(wave), asked(wave, rules=("slope-in-a-box",)), asked(wave)] == [False, True, True]
 
 
 @pytest.mark.parametrize("size", ["1", "10**6", "10**(-6)"])
@@ -344,6 +386,8 @@ class Answers:
     def decided(self, changed_law: Any) -> Verdict | None:
         return Verdict.PROVED if self.rules(changed_law) or self.decides(changed_law) else None
 
+    def widens(self) -> None: ...
+
     def keep(self, told: str, _: Any) -> str:
         return told
 
@@ -362,22 +406,34 @@ KNOWN = {"k": Fraction(3, 5), "m": Fraction(4), "e": Fraction(1, 2)}
 @pytest.mark.parametrize(
     ("settles", "off", "told"),
     [
-        (lambda at: at.get("k") == 1, False, "--set k=1"),  # an end of its range
-        (lambda at: at.get("e") == -1 and "m" in at, False, "--set m=4 --set e=-1"),
-        (lambda at: at.get("m") == 4, False, "--set m=4"),
-        (lambda at: at.get("m") == 0 or at.get("k") == Fraction(1, 5), False, "--set k=1/5"),  # before an effect that is gone
-        (lambda at: at.get("m") == 0, True, "--set m=0"),
-        (lambda at: at.get("m") == 0 == at.get("e"), True, "--set m=0 --set e=0"),
-        (lambda at: at.get("m") == 0, False, None),
+        (lambda at: at.get("k") == 1, 1, "--set k=1"),  # an end of its range
+        (lambda at: at.get("k") == 1, 0, None),
+        (lambda at: at.get("k") == Fraction(2, 5), 0, "--set k=2/5"),  # a quarter of its range
+        (lambda at: at.get("e") == -1 and "m" in at, 1, "--set m=4 --set e=-1"),
+        (lambda at: at.get("m") == 4, 0, "--set m=4"),
+        (lambda at: at.get("m") == 0 or at.get("k") == Fraction(1, 5), 1, "--set k=1/5"),  # before an effect that is gone
+        (lambda at: at.get("m") == 0, 2, "--set m=0"),
+        (lambda at: at.get("m") == 0 == at.get("e"), 2, "--set m=0 --set e=0"),
+        (lambda at: at.get("m") == 0, 1, None),
     ],
 )
-def test_the_fewest_values_are_told_and_ends_of_ranges_are_tried(settles: Any, off: bool, told: str | None, known_by: str) -> None:
-    """Whatever shows the claim: no value that is not needed, and none that is 0 but where that is asked."""
+def test_the_fewest_values_are_told_and_ends_of_ranges_are_tried(settles: Any, off: int, told: str | None, known_by: str) -> None:
+    """Whatever shows the claim: no value that is not needed, and none that is 0 or an end of its range but where that is asked."""
     shown = [lambda changed_law: settles(values_of(changed_law)), lambda _: False]
     asked: Any = Answers("origin", *(shown if known_by == "rules" else reversed(shown)))
-    way = asked.by_rules if known_by == "rules" else asked.decided
-    found = trials._fixed(PLANE, (), frozenset("k"), [KNOWN], lambda plain: plain, asked, way, off)
+    found = trials._fixed(PLANE, (), frozenset("k"), [KNOWN], lambda plain: plain, asked, known_by == "everything", off)
     assert found == ([] if told is None else [told])
+
+
+@pytest.mark.parametrize("name", KNOWN)
+@pytest.mark.parametrize("verdict", [Verdict.PROVED, Verdict.REFUTED])
+def test_one_parameter_alone_is_fixed_for_everything_that_decides(name: str, verdict: Verdict) -> None:
+    """A search finds more where the others may have any value: a claim may be refuted then, and not at plain values of all."""
+    asked: Any = Answers("origin", lambda _: False)
+    asked.decided = lambda changed_law: verdict if values_of(changed_law) == {name: KNOWN[name]} else None
+    (told,) = trials._fixed(PLANE, (), frozenset("k"), [KNOWN], lambda plain: plain, asked, True, 0)
+    assert told == f"--set {name}={KNOWN[name]}" + (" (then it is refuted)" if verdict is Verdict.REFUTED else "")
+    assert not trials._fixed(PLANE, (), frozenset("k"), [KNOWN], lambda plain: plain, asked, False, 0)
 
 
 BOXES = [{x: {"min": low, "max": high} for x in "ab"} for low, high in (("-4", "4"), ("-1", "1"), ("0.1", "0.5"), ("0.2", "0.3"))]
@@ -391,11 +447,13 @@ def inside(side: Any, low: float, high: float) -> bool:
     ("shown", "ranges", "more", "wide"),
     [
         (lambda box, own: inside(box["a"], -1, 4), {"a": ("-1", "4"), "b": ("-4", "4")}, "", True),  # one end, and both of the other
-        (lambda box, own: inside(box["a"], -1, 1), {"a": ("-1", "1"), "b": ("-4", "4")}, "", False),
+        (lambda box, own: inside(box["a"], -1, 1), {"a": ("-1", "1"), "b": ("-4", "4")}, "", True),  # a quarter
         (lambda box, own: inside(box["a"], -3, 3), {"a": ("-2.5", "2.5"), "b": ("-4", "4")}, "", True),  # halfway
         (lambda box, own: own["e"] == {"value": "1/2"}, {"a": ("-4", "4"), "b": ("-4", "4")}, " and --set e=1/2", True),
         (lambda box, own: "value" in own["e"] or inside(own["e"], 0, 1), {"a": ("-4", "4"), "b": ("-4", "4")},
-         ' and e = { min = "1/4", max = "3/4" } in the section [parameters]', True),
+         ' and e = { min = "1/2", max = 1 } in the section [parameters]', True),
+        (lambda box, own: "value" in own["e"] or inside(own["e"], -0.5, 0.8), {"a": ("-4", "4"), "b": ("-4", "4")},
+         ' and e = { min = "-1/4", max = "3/4" } in the section [parameters]', True),
         (lambda box, own: "value" in own["m"] and inside(box["b"], 0, 1), {"a": ("-4", "4"), "b": ("0.1", "0.5")}, " and --set m=4", False),
     ],
 )  # fmt: skip

@@ -231,7 +231,8 @@ def verdict_within(law: Criterion, claim: str, steps: int | Budget) -> Verdict:
                 if (needed := kernel.proof(name, kernel.whole.left // _SHARE, CHEAP.as_written)) is not None:
                     kernel.of(name, needed, ())
         subject = dict(_in_state(law, EFFORTS["quick"], kernel.whole)).get(claim) or FormulaSubject(law, EFFORTS["quick"], kernel.whole)
-        found = asked.provers_first().examine(subject, {}, kernel)
+        before = {name: CLAIMS[name].provers_first().examine(subject, {}, kernel) for name in asked.needs if name == "convexity"}
+        found = asked.provers_first().examine(subject, before, kernel)
         if kernel.of(claim, found, ()).trust not in (None, Trust.CHECKED):
             found = asked.contradiction(subject, {claim: found}) or found
     return found.verdict

@@ -96,8 +96,10 @@ def _undefined(terms: Sequence[Term], domain: StatedDomain) -> Blocked | None:
     if part is None:
         return None
     inner = part.args[0]
-    signs = (_plain(inner, domain),) if domain.constant(inner) else ()
-    return Blocked(part, f"{_NEEDS.get(part.op, 'is a word')} that is not shown to have a value everywhere", signs, True)
+    why = f"{_NEEDS.get(part.op, 'is a word')} that is not shown to have a value everywhere"
+    if part.op == "**" and part.args[1].op == "number" and part.args[1].value > 0 and (minors := _minors(inner, domain)):
+        return Blocked(part, why, minors)
+    return Blocked(part, why, (_plain(inner, domain),) if domain.constant(inner) else (), True)
 
 
 def _origin(law: StatedLaw) -> Blocked | None:

@@ -44,7 +44,9 @@ def other_forms(read: StatedLaw) -> Iterator[tuple[Term, Term, bool]]:
 
 
 def equal_forms(term: Term, domain: StatedDomain) -> Iterator[tuple[Term, Term]]:
-    """A product in a formula, and a sum or product that has its value wherever it has one."""
+    """A product in a formula, and a sum or product that has its value wherever it has one; a sum with a size, and one without."""
+    with suppress(NotWritten):
+        yield from ((term, new) for new in _of_both_signs(term, domain))
     for part in (part for part in term.parts() if part.op == "*"):
         with suppress(NotWritten):
             yield from ((part, new) for new in _equal(factors(part), domain))
@@ -64,6 +66,17 @@ def _equal(own: list[Term], domain: StatedDomain) -> Iterator[Term]:
         if len(x) == 1 and (split := share_and_rest(domain.polynomial(x[0]), domain.polynomial(u), domain)) and split[1]:
             c, d = (added([scaled(number(k), m) for m, k in sorted(poly.items())]) for poly in split)
             yield _times(*fixed, added([_times(c, u, log), _times(d, log)]))
+
+
+def _of_both_signs(term: Term, domain: StatedDomain) -> Iterator[Term]:
+    """x + c abs(y) with c >= 0 as max(x + c y, x - c y), where abs(y) is not shown to be convex."""
+    for part in term.args if term.op == "+" else ():
+        fixed, moving = ([f for f in factors(part) if domain.constant(f) is still] for still in (True, False))
+        if [f.op for f in moving] == ["abs"] and not domain.facts(moving[0]).convex and not domain.facts(_times(*fixed)).sign & NEGATIVE:
+            (y,) = moving[0].args
+            yield Term(
+                "max", tuple(term._replace(args=tuple(_times(*fixed, x) if a is part else a for a in term.args)) for x in (y, minus(y)))
+            )
 
 
 def _root_alone(part: Term, domain: StatedDomain) -> Iterator[tuple[Term, bool]]:

@@ -270,19 +270,18 @@ def _ranges(asked: _OpenClaim, values: Mapping[str, Any]) -> Iterator[Ranges]:
 
 
 def _everything(asked: _OpenClaim, decide: DecideLaw | None) -> Callable[[str, Mapping[str, Any], Budget], Verdict | None] | None:
-    """What decides a claim of the law with changes, normality of an associated flow by convexity; None of forces of rates."""
+    """What decides a claim of the law with changes; None of forces of rates, and of normality to a flow of the law's own."""
     law, own = asked.law, asked.claim
     if decide is None or not isinstance(law, Criterion) or law.forces_of_rates:
         return None
-    by_convexity = own == "normality" and isinstance(asked.subject, FormulaSubject) and asked.subject.problem.associated
+    associated = isinstance(asked.subject, FormulaSubject) and asked.subject.problem.associated
 
     def verdict(claim: str, text: Mapping[str, Any], budget: Budget) -> Verdict | None:
         with suppress(InputError):  # a variable of the state may not be 0
-            found = decide(_read(law, text), "convexity" if by_convexity else claim, budget)
-            return found if found is Verdict.PROVED or (found is Verdict.REFUTED and not by_convexity) else None
+            return found if (found := decide(_read(law, text), claim, budget)) in (Verdict.PROVED, Verdict.REFUTED) else None
         return None
 
-    return verdict if own in _OF_G or own == "dissipation" or by_convexity else None
+    return verdict if own in _OF_G or own == "dissipation" or (own == "normality" and associated) else None
 
 
 def _read(law: Criterion, text: Mapping[str, Any]) -> Criterion:

@@ -34,7 +34,7 @@ _SIZES = ((-3, 3), (-9, 9))  # powers of ten between which the sizes of places a
 
 
 def around_the_boundary(subject: FormulaSubject) -> Iterator[Ranges]:
-    """Ranges that hold most of the boundary; those that keep away from 0; some around one point, where no two forces are equal, or 0."""
+    """Ranges that hold most of the boundary; that keep away from 0; on the side of a point; and around that, where no two are equal."""
     law = subject.law
     points = _boundary(subject) if len(law.forces) <= MOST_FORCES else np.zeros((0, 0))
     if not len(points):
@@ -50,6 +50,8 @@ def around_the_boundary(subject: FormulaSubject) -> Iterator[Ranges]:
     ends += [np.array([np.where(one_sided[0], np.maximum(least, size), least), np.where(one_sided[1], np.minimum(most, -size), most)])]
     apart = np.abs(near[:, :, None] - near[:, None]) + np.abs(near)[:, :, None] * np.eye(near.shape[1])  # of principal stresses, too
     centre = near[np.argmax(apart.min(axis=(1, 2)) / np.linalg.norm(near, axis=1))]
+    low, high = np.maximum(least, np.minimum(size, centre / 2)), np.minimum(most, np.maximum(-size, centre / 2))
+    ends += [np.array([np.where(centre > 0, low, least), np.where(centre < 0, high, most)])]
     ends += [np.clip((centre - share * np.abs(centre), centre + share * np.abs(centre)), *own) for share in _PATCHES]
     pressure = others_at(subject, next(iter(subject.choices(1))))[0] if law.pressure else 0.0
     for low, high in ends:

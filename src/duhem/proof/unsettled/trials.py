@@ -14,6 +14,11 @@ from functools import partial
 from itertools import islice, product, takewhile
 from typing import Any, NamedTuple
 
+import sympy as sp
+
+from duhem.errors import InputError
+from duhem.expression.parse import parse_expression
+from duhem.expression.text import formula
 from duhem.proof.decide import Budget
 from duhem.proof.kernel.bounds import NEGATIVE, POSITIVE, ZERO, Bounds
 from duhem.proof.kernel.certificate import stated
@@ -40,10 +45,15 @@ _BEFORE = ("origin", "convexity", "smoothness", "normality", "dissipation", "sta
 _TOLD = _BEFORE[:5]  # those of which it is said that they are proved too
 _PLAIN = tuple(map(Fraction, ("1", "2", "1/2", "1/10", "3", "-1")))
 _WIDENING = 1_000_000  # steps to free parameters and to widen ranges
-_AROUND = (Fraction(1, 2), Fraction(1, 10))  # ranges of a parameter, as shares of a value
 _TURNS, _MOST_CHOICES, _MOST_FIXED = 7, 6, 4  # of plain values; of those at which everything that decides is asked
 _MOST_DECIDED, _MOST_DUALS, _MOST_BOXED = 16, 3, 2  # times that everything is asked about one claim; choices tried in a box
-_LONGEST = 120  # letters of a constraint
+_TIMES, _WIDE = 8, 4  # as many steps as for a box with fixed parameters may be spent to widen it
+_MOST_ALONE, _MOST_INSIDE, _INSIDE = (
+    4,
+    2,
+    (Fraction(1, 4), Fraction(3, 4)),
+)  # parameters of which one alone is fixed; other values inside a range
+_LONGEST, _LONGEST_FACTORED = 120, 600  # letters of a constraint, and of a sum of which factors are looked for
 _CURVES = ("curvature-in-a-box",)
 _IN_BOXES = {"convexity": _CURVES, "normality": _CURVES, "smoothness": ("slope-in-a-box",), "dissipation": ("power-in-a-box",)}
 _MOST_FORCES = 3  # of a law that may be meant for one sign of a force
@@ -89,14 +99,11 @@ def that_help(
     empty K much is proved.  ``forms`` are other forms of g with the same K.  At the values that are tried ``first`` the claim may fail.
     """
     asked = _Asked(claim, law, settled, decide, tried or Attempts())
-    fails = next((x for x in (*first, *asked.tried.failing) if asked.decided(_with(law, x)) is Verdict.REFUTED), None)
+    alone = [{name: x} for values in first for name, x in [*values.items()][:_MOST_ALONE]]  # in whose place the others may be anything
+    fails = next((x for x in (*asked.tried.failing, *alone, *first) if asked.decided(_with(law, x)) is Verdict.REFUTED), None)
     if fails is not None and fails not in asked.tried.failing:
         asked.tried.failing.append(fails)
     refuted = [] if fails is None else [_refuted("", fails)]
-    helped = asked.tried.helped.items()
-    again = [told for told, changed in helped if asked(changed)]
-    if again := again or [told for told, changed in helped if claim != "duality" and asked.decided(changed) is Verdict.PROVED]:
-        return [*again, *refuted]
     part = frozenset[str]() if blocked is None else blocked.part.names().union(*(c.names() for c in blocked.signs))
 
     def either(changed: Text) -> bool:  # the power may be a share of g and a rest, which is evidence
@@ -106,7 +113,12 @@ def that_help(
         asked.steps = _A_KIND  # for each kind anew
         return [asked.keep(*best) for best in islice((each for each in kind if way(each[1])), 1)]
 
-    found = first_of(_signs(law, blocked, choices)) if blocked else []
+    asked.kept += 2 * _A_KIND
+    found = first_of(_signs(law, blocked, choices)) if blocked else []  # a constraint says more than values that helped before
+    helped = () if found else asked.tried.helped.items()
+    again = [told for told, changed in helped if asked(changed)]
+    if again := again or [told for told, changed in helped if claim != "duality" and asked.decided(changed) is Verdict.PROVED]:
+        return [*again, *refuted]
     found += first_of(_ranges(law, blocked), either) if blocked else []
     if found := [*(found or _with_least_lost(law, ((form.told, _changed(law, form, {})) for form in forms()), asked)), *refuted]:
         return found
@@ -114,16 +126,17 @@ def that_help(
     known, asked.steps = [*choices(_choices(law))], _A_KIND
     narrow = known and not any(form.at_tip for form in forms()) and claim != "duality" and any(asked(_with(law, x)) for x in known[:2])
     fixed = partial(_fixed, law, forms(), part, known, choices, asked)
-    if found := (narrow and _narrowed(law, sorted(known[0]), known, {}, asked)) or fixed(thorough=False, off=False):
+    if found := (narrow and _narrowed(law, sorted(known[0]), known, {}, asked)) or fixed(thorough=False, off=0):
         return found
-    asked.steps, asked.kept = _A_KIND, asked.kept + _A_KIND // 2
+    asked.steps = _A_KIND
     beside = (told for told, changed in _beside_tips(law, part, forms()) if asked(changed)) if claim == "smoothness" else ()
-    if found := [*islice(beside, 1)] or first_of(_one_sided(law)) or fixed(thorough=True, off=False):
+    if found := [*islice(beside, 1)] or first_of(_one_sided(law)) or fixed(thorough=True, off=0) or fixed(thorough=False, off=1):
         return found
+    asked.kept -= _A_KIND  # for ranges of forces and values, as much as was kept for them
     boxed, wide = _boxed(law, known[:_MOST_BOXED] or ({},), ranges, asked)
-    asked.kept -= _A_KIND // 2
-    gone = [] if wide else fixed(thorough=False, off=True) or fixed(thorough=True, off=True)  # which says least, but for a small part of K
-    return gone or [asked.keep(*each) for each in boxed]
+    asked.kept -= _A_KIND
+    gone = () if wide else (fixed(thorough=thorough, off=off) for thorough, off in ((False, 2), (True, 1), (True, 2)))
+    return next(filter(None, gone), None) or [asked.keep(*each) for each in boxed]
 
 
 class _Asked:
@@ -163,26 +176,33 @@ class _Asked:
         answers = self.tried.answers.setdefault(key, {})
         known = {name for name in _BEFORE if answers.get(name) or self.tried.verdicts.get((name, key)) is Verdict.PROVED}
         known |= self.settled if law.get("g") == self.g else self.settled & {"origin"}  # other forms of g have the same K
-        if claim in known or claim in answers or self.steps < 0 or self.tried.steps <= self.kept:
+        by = " ".join((claim, *rules))
+        if claim in known or by in answers or self.steps < 0 or self.tried.steps <= self.kept:
             return claim in known
         alone = bool(rules) and claim in ("smoothness", "dissipation")  # which rest on nothing else then, and take fewer steps
         with within(most) as purse, suppress(*UNREADABLE, TooDearError):
             read, needed = stated(law), {claim}
             for name in reversed(() if alone else _BEFORE):
                 needed |= needs_of(name, read) if name in needed else set()
-            for name in (name for name in _BEFORE if name in needed - known and name not in answers):
+            for name in (name for name in _BEFORE if name in needed - known and (name == claim or name not in answers)):
                 answers[name] = any(not objection(name, rule, frozenset(known), read, {}) for rule in (*rules, *rules_of(name, read)))
                 known |= {name} if answers[name] else set()
-        answers.setdefault(claim, False)
+        answers.setdefault(by, False)
         self._pay(purse.spent)
         return claim in known
+
+    def widens(self) -> None:
+        """Steps to claim more of what was found, from those of the next claims if need be, as these are tried with it first."""
+        self.steps, self.kept = _WIDENING, max(0, self.kept - _WIDENING)
 
     def _pay(self, spent: int) -> None:
         self.steps -= spent + _READING
         self.tried.steps -= spent + _READING
 
     def keep(self, told: str, law: Text) -> str:
-        """What to do, with the claims that are then proved too; the next claims are tried with it first."""
+        """What to do, with the claims that are then proved too, once; the next claims are tried with it first."""
+        if told in self.tried.helped:
+            return told
         self.tried.helped[told] = law
         more = [name for name in _TOLD if name not in (self.claim, *self.settled) and self(law, name)]
         return f"{told} ({', '.join(more)} {'are' if more[1:] else 'is'} proved then, too)" if more else told
@@ -228,7 +248,16 @@ def _compared(constant: Term, strict: bool) -> str:
     """That it is >= 0, or > 0, with what is taken away in it on the other side."""
     texts = [in_text(a, {}) for a in (constant.args if constant.op == "+" else (constant,))]
     less, more = [t[1:] for t in texts if t.startswith("-")], [t for t in texts if not t.startswith("-") and t != "0"]
-    return f"{' + '.join(less) or 0} {'<' if strict else '<='} {' + '.join(more) or 0}"
+    left, right = (_in_factors(" + ".join(side) or "0", constant.names()) for side in (less, more))
+    return f"{left} {'<' if strict else '<='} {right}"
+
+
+def _in_factors(side: str, names: Iterable[str]) -> str:
+    """A sum of many terms as a product, where it is a shorter one."""
+    if _LONGEST // 2 < len(side) <= _LONGEST_FACTORED:
+        with suppress(InputError):
+            return min(side, formula(sp.factor(parse_expression(side, {x: sp.Symbol(x) for x in names}))), key=len)
+    return side
 
 
 def _ranges(law: Text, blocked: Blocked) -> Iterator[tuple[str, Text]]:
@@ -281,63 +310,87 @@ def _beside_tips(law: Text, part: frozenset[str], forms: Sequence[Rewriting]) ->
 
 def _fixed(
     law: Text, forms: Sequence[Rewriting], part: frozenset[str], known: Sequence[Choice], choices: Choices, asked: _Asked,
-    thorough: bool, off: bool,
+    thorough: bool, off: int,
 ) -> list[str]:  # fmt: skip
     """A form of g, or g with the fewest parameters fixed or narrowed, of which the claim is settled.
 
-    Where it is ``thorough`` everything that decides is asked, and else the rules.  Where the values are ``off``, one of them is 0, and an
-    effect is gone.
+    Where it is ``thorough`` everything that decides is asked, and else the rules.  Where the values are ``off`` by 1, one of them is an end
+    of its range, and by 2 one is 0, and an effect is gone.
     """
-    every = [values for values in _values(law, part, known) if (0 in values.values()) is off]
+    own = {x: Bounds.read(law["parameters"][x]) for values in known[:1] for x in values}
+    every = [values for values in _values(own, part, known) if _off(values, own) == off]
     settles = asked.decided if thorough else asked.by_rules
-    asked.steps = (asked.tried.steps - asked.kept) // 2 if thorough else _A_KIND
-    every = [{}, *every] if thorough and not off else every
+    asked.steps = (asked.tried.steps - asked.kept) // _SHARE if thorough else _A_KIND
+    alone = [{x: known[0][x]} for x in sorted(own, key=lambda x: x not in part)[:_MOST_ALONE] if own[x].holds(known[0][x])]
+    every = [{}, *(values for values in alone if len(own) > 1), *every] if thorough and not off else every
     for values in every:
         for form in (None, *forms[:1]) if values else forms[:_MOST_FORMS]:
             verdict = settles(_changed(law, form, values))
             if verdict is Verdict.REFUTED:
                 asked.tried.failing += [] if form else [values]
                 return [_refuted(form.told if form else "", values)]
-            if verdict and (not values or (_inhabits(values, law) and next(iter(choices([values])), None) == values)):
+            whole = {**known[0], **values} if values else {}
+            if verdict and (not values or (_inhabits(whole, law) and next(iter(choices([whole])), None) == whole)):
                 return [_with_fewest(law, form, values, part, asked)]
     return []
 
 
-def _values(law: Text, part: frozenset[str], known: Sequence[Choice]) -> Iterator[Choice]:
-    """Plain values, one of them at an end of its range, at 1 or at 0, those of a part first, all at 1 or 0, and other plain values."""
+def _off(values: Choice, own: Mapping[str, Bounds]) -> int:
+    """2 where one is 0, 1 where one is an end of its range, else 0."""
+    return 2 if 0 in values.values() else 1 if any(x in (own[name].low, own[name].high) for name, x in values.items()) else 0
+
+
+def _values(own: Mapping[str, Bounds], part: frozenset[str], known: Sequence[Choice]) -> Iterator[Choice]:
+    """Plain values, one of them another, at an end of its range, at 1 or 0, those of a part first, all at 1 or 0, and other plain ones."""
     yield from known[:1]
     for plain in known[:1]:
-        own = {x: Bounds.read(law["parameters"][x]) for x in plain}
-        for x in sorted(plain, key=lambda x: x not in part):
-            ends = (own[x].high, own[x].low, Fraction(1), Fraction(0))
+        order = sorted(plain, key=lambda x: x not in part)
+        for x in order:
+            low, high = own[x].low, own[x].high
+            inside = list[Fraction]()
+            if low is not None and high is not None and x in order[:_MOST_INSIDE]:
+                inside = [(3 * low + high) / 4, (low + 3 * high) / 4]
+            ends = (*inside, high, low, Fraction(1), Fraction(0))
             yield from ({**plain, x: end} for end in dict.fromkeys(ends) if end is not None and own[x].holds(end))
         yield from ({x: end if own[x].holds(end) else plain[x] for x in plain} for end in map(Fraction, (0, 1)))
     yield from known[1:_MOST_FIXED]
 
 
 def _boxed(law: Text, known: Sequence[Choice], ranges: RangesAt, asked: _Asked) -> tuple[list[tuple[str, Text]], bool]:
-    """Ranges of the forces in which enclosures show the claim, and of the parameters, and whether these forces are half of K or more.
+    """Ranges of the forces in which enclosures show the claim, and of the parameters, and whether each is a quarter of K or more.
 
     The narrowest are asked first, as these cost least.  As far as the claim is shown, each parameter may then have any value, each force
     has the widest range or more of it, and a parameter any value around that which was tried.
     """
+    cost = 0  # steps for the widest yet
+
+    def shown(changed: Text, times: int = 1) -> bool:
+        """Whether it is shown, where so many times the steps are left, as what is wider takes more."""
+        nonlocal cost
+        before, most = asked.tried.steps, _IN_A_BOX if times == 1 else min(_IN_A_BOX, _TIMES * cost or _IN_A_BOX)
+        if holds := times * cost <= _IN_A_BOX and asked(changed, rules=_IN_BOXES[asked.claim], most=most):
+            cost = before - asked.tried.steps
+        return holds
+
     for values in known if asked.claim in _IN_BOXES else ():
-        asked.steps, shown = _A_KIND, partial(asked, rules=_IN_BOXES[asked.claim], most=_IN_A_BOX)
-        boxes = [*ranges(values)]
+        asked.steps, boxes, free = _A_KIND, [*ranges(values)], law["parameters"]
         if not (found := [*takewhile(shown, ({**_with(law, values), "domain": box} for box in reversed(boxes)))]):
             continue
-        boxed, asked.steps = found[-1], _WIDENING
-        wider = [("parameters", x, [law["parameters"][x]]) for x in values]
-        wider += [("domain", x, between(boxed["domain"][x], boxes[0][x])) for x in boxes[0]]
-        wider += [("parameters", x, [*_around(law["parameters"][x], value)]) for x, value in values.items()]
-        for section, name, entries in wider:
-            if section == "domain" or "value" in boxed[section][name]:  # it is not free yet
-                boxed = next(filter(shown, ({**boxed, section: {**boxed[section], name: entry}} for entry in entries)), boxed)
+        boxed = found[-1]
+        asked.widens()
+        ended = {x: free[x] for x in values if None not in (Bounds.read(free[x]).low, Bounds.read(free[x]).high)}
+        wider = [("parameters", [way]) for way in (ended, *({x: free[x]} for x in values))]
+        wider += [("domain", [{x: side} for side in between(boxed["domain"][x], boxes[0][x])]) for x in boxes[0]]
+        wider += [("parameters", [{x: part} for part in _around(free[x], value)]) for x, value in values.items()]
+        for section, ways in wider:
+            if section == "domain" or any("value" in boxed[section][x] for way in ways[:1] for x in way):  # it is not free yet
+                holds = partial(shown, times=1 if section == "domain" else 2)
+                boxed = next(filter(holds, ({**boxed, section: {**boxed[section], **way}} for way in ways)), boxed)
         box, narrower = boxed["domain"], {x: own for x in values if (own := boxed["parameters"][x]) != law["parameters"][x]}
         fixed = {x: narrower.pop(x)["value"] for x in values if "value" in narrower.get(x, ())}
         near = f"ask for forces near K alone: {_entries(box)} in the section [domain]"
         told = (near, f"{_entries(narrower)} in the section [parameters]" if narrower else "", settings(fixed))
-        wide = all(2 * _length(box[x]) >= _length(boxes[0][x]) for x in law["forces"])
+        wide = all(_WIDE * _length(box[x]) >= _length(boxes[0][x]) for x in law["forces"])
         return [(" and ".join(filter(None, told)), boxed)], wide
     return [], False
 
@@ -352,16 +405,20 @@ def _length(side: Text) -> Fraction:
 
 
 def _around(domain: Text, value: Fraction) -> Iterator[Text]:
-    """Ranges of a parameter around a value, within its own."""
-    for share in _AROUND if value else ():
-        low, high = sorted((value * (1 - share), value * (1 + share)))
-        part = Bounds.read(domain).above(low, False).below(high, False)
-        yield {"min": str(part.low), "max": str(part.high)}
+    """Ranges of a parameter around a value, within its own: from the value or up to it, halfway to the ends, and close to it."""
+    own, half = Bounds.read(domain), abs(value) / 2
+    low = value - half if own.low is None or own.open else own.low
+    high = value + half if own.high is None else own.high
+    parts = [(value, high), (low, value), ((low + value) / 2, (value + high) / 2), *((value - x, value + x) for x in [half / 5])]
+    for part in (own.above(a, False).below(b, False) for a, b in ([(low, high)] if (low, high) != (own.low, own.high) else []) + parts):
+        if not part.single:
+            yield {"min": str(part.low), "max": str(part.high)}
 
 
 def _with_fewest(law: Text, form: Rewriting | None, fixed: Choice, part: frozenset[str], asked: _Asked) -> str:
     """What is proved with values fixed, with as few of them as may be, those of a ``part`` the longest, and one of these narrowed."""
-    told, asked.steps = form.told if form else "", _WIDENING
+    told = form.told if form else ""
+    asked.widens()
     others = [name for name in fixed if name not in part]  # an effect that is gone at 0 is the likeliest that matters
     ways = ([name for name in others if fixed[name]], others, *([x] for x in sorted(fixed, key=lambda x: (not fixed[x], x in part))))
     for freed in ways:
