@@ -32,6 +32,7 @@ from duhem.proof.kernel.steps import TooDearError
 from duhem.proof.kernel.term import NotWritten, parse
 from duhem.proof.unsettled import open_claims, trials
 from duhem.proof.unsettled.blocked import blocked
+from duhem.proof.unsettled.limits import with_values
 from duhem.proof.unsettled.term_text import in_text, names_of
 from duhem.proof.unsettled.trials import Attempts, that_help
 from duhem.proof.verdict import Evidence, Unsettled, Witness
@@ -433,6 +434,23 @@ def test_a_quadric_is_told_the_minors_of_its_matrix() -> None:
     assert found["duality"].part == "F11*F22 - F12**2" and "in the closed form" in (found["duality"].why or "")
 
 
+@pytest.mark.slow
+def test_ranges_of_the_forces_are_suggested_for_a_potential_without_a_slope_at_zero_force() -> None:
+    """Of glassy polymers (Argon)."""
+    argon = law("c*(exp(-k*(1 - abs(a)**(5/6))) - exp(-k))", {"c": POSITIVE, "k": POSITIVE}, "a", viscous=True)
+    (action,) = opened(argon, "dissipation").actions
+    assert action.startswith("ask for these forces alone: a = { min = ")
+    assert verify(changed(argon, action), claims=["dissipation"])["dissipation"].verdict is Verdict.PROVED
+
+
+def test_no_multiple_of_a_potential_is_suggested_which_is_another_law() -> None:
+    """K is the same for a multiple > 0 of g."""
+    for viscous in (False, True):
+        read = StatedLaw.read(law_as_text(law("c*a**2/norm(a, b) - norm(a, b)", {"c": POSITIVE}, viscous=viscous)))
+        told = [action for action, _ in with_values(read, {})]
+        assert told and any("times g" in action for action in told) is not viscous
+
+
 def of_rates(force: str, **parameters: Domain) -> Criterion:
     known = {"v": Domain(), **parameters}
     return Criterion("rates", sp.nan, known, ("s",), None, variables={"v": Variable("s")}, forces_of_rates={"s": force})
@@ -459,6 +477,7 @@ def test_of_rates_and_potentials_nothing_is_said_of_k(criterion: Criterion, clai
     assert not re.search(r"\bK\b|\bg\b|flow|boundary|\bz\b", told), told
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("forces", "told", "helps"),
     [

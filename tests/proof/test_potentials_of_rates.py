@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from fractions import Fraction
+from typing import Any
+
 import numpy as np
 import pytest
 import sympy as sp
@@ -77,6 +80,35 @@ def test_a_potential_that_is_not_convex_is_read_on_each_side_of_zero_force(poten
     near, far = (eval(potential, {**words, "A": 1.5, "a": r * x[0], "b": r * x[1]}) for r in (1.0, 1.0001))
     assert not least or bool(np.all(near >= 0))
     assert not dissipates or bool(np.all(far >= near - 1e-12))
+
+
+@pytest.mark.parametrize(
+    ("potential", "domain", "smooth", "dissipates"),
+    [
+        ("A*abs(a)**(3/2)*(2 + sin(b))", {"a": ("1/2", 2), "b": (1, "3/2")}, True, True),
+        ("A*abs(a)**(3/2)*(2 + sin(4*b))", {"a": ("1/2", 2), "b": (1, "3/2")}, True, False),
+        ("A*abs(a - 1)*(2 + sin(b))", {"a": ("1/2", 2), "b": (1, "3/2")}, False, False),  # a kink, and it falls before that
+        ("A*(a + abs(a - 1)/2)*(2 + sin(b/2))", {"a": ("1/2", 2), "b": (1, "3/2")}, False, True),
+        (
+            "A*(cosh(a) - 1)*b**2",
+            {"a": (-1, 2), "b": (1, "3/2")},
+            True,
+            None,
+        ),  # where a is 0 and force . rate is small, in no part too small
+        ("-A*a**2*b**2", {"a": ("1/2", 2), "b": (1, "3/2")}, True, False),
+        ("A*a**2*b**2", {"a": ("1/2", 2)}, False, False),  # b has no range
+    ],
+)
+def test_a_potential_is_read_in_ranges_of_the_forces(potential: str, domain: Any, smooth: bool, dissipates: bool | None) -> None:
+    sides = {name: Domain.between(*ends) for name, ends in domain.items()}
+    given = Criterion("ranges", potential, {"A": Domain.between(1, 2)}, ("a", "b"), None, domain=sides, viscous=True)
+    assert (not refused(given, "smoothness", "slope-in-a-box")) is smooth
+    assert dissipates is None or (not refused(given, "dissipation", "power-in-a-box")) is dissipates
+    assert refused(given, "convexity", "curvature-in-a-box")
+    ends = [[float(Fraction(end)) for end in domain.get(name, (-1, 1))] for name in "ab"]
+    a, b = (np.linspace(low, high, 41)[:, None] for low, high in ends)
+    near, far = (eval(potential, {"abs": np.abs, "sin": np.sin, "cosh": np.cosh, "A": 1, "a": r * a, "b": r * b.T}) for r in (1, 1 + 1e-6))
+    assert not dissipates or bool(np.all(far >= near))
 
 
 def test_what_refutes_a_potential_says_what_k_is() -> None:

@@ -10,6 +10,8 @@ Where dg/dsigma_k != 0 the vectors t_i = (dg/dsigma_k) e_i - (dg/dsigma_i) e_k w
 Wherever g = 0, smoothness asks in the same way that grad g is continuous and not 0, and dissipation that force . slip is >= 0.  At a kink
 the slip may be any mean of the slopes on both sides, so that an interval for each slope holds both.
 
+Of a potential of rates both are asked in every part: that its gradient is continuous, and that force . gradient is >= 0.
+
 Parameters and the pressure are further sides of the box, by which nothing is differentiated.
 
 By the mean value theorem f lies in f(c) + f'(z) . (x - c) too, with c the middle of a part and z somewhere in it, and so do the slopes
@@ -141,7 +143,7 @@ _Found: TypeAlias = "_Derivatives | TaylorForm"
 
 def convex_in_its_box(law: StatedLaw) -> bool:
     """Whether the above is shown of g; c is 0, the middle of the ranges, which all have 0 in them, or a half or less of that."""
-    if (whole := _whole(law)) is None:
+    if law.viscous or (whole := _whole(law)) is None:
         return False
     middle = {x: (whole[x].low + whole[x].high) // 2 for x in law.forces}
     zero = [dict.fromkeys(law.forces, _ZERO)] if all(whole[x].sign & ZERO for x in law.forces) else []
@@ -153,7 +155,7 @@ def convex_in_its_box(law: StatedLaw) -> bool:
 
 
 def smooth_in_its_box(law: StatedLaw) -> bool:
-    """Whether grad g is continuous and not 0 wherever g = 0."""
+    """Whether grad g is continuous and not 0 wherever g = 0, or that of a potential of rates is continuous."""
     return (whole := _whole(law)) is not None and _shown_in_all_parts(law, whole, partial(_has_a_slope, law))
 
 
@@ -165,8 +167,8 @@ def dissipates_in_its_box(law: StatedLaw) -> bool:
 
 
 def _whole(law: StatedLaw) -> dict[str, Enclosure] | None:
-    """The ranges of all names; None of a law of too many forces, or of rates, NotWritten where a name has no range."""
-    if len(law.forces) > MOST_FORCES or law.viscous or law.of_rates:
+    """The ranges of all names; None of a law of too many forces, or with forces of rates, NotWritten where a name has no range."""
+    if len(law.forces) > MOST_FORCES or law.of_rates:
         return None
     sides = {**law.parameters, **dict(law.ranges)}
     names = {*law.forces}.union(*(x.names() for x in (law.g, *(law.flow or ()), *([law.power] if law.power else ()))))
@@ -255,6 +257,8 @@ def _curves(slopes: Sequence[Enclosure], bends: Mapping[tuple[int, int], Enclosu
 
 def _has_a_slope(law: StatedLaw, _: _Box, found: _Found) -> bool:
     """Whether g keeps a sign in a part of the box, or one of its slopes does."""
+    if law.viscous:
+        return bool(found.of(law.g))  # there are none where it may not be C^1
     if found.sign(law.g) in (NEGATIVE, POSITIVE):  # it may have no slopes there
         return True
     return any(not slope.sign & ZERO for slope in found.of(law.g)[: len(law.forces)])
@@ -262,6 +266,8 @@ def _has_a_slope(law: StatedLaw, _: _Box, found: _Found) -> bool:
 
 def _dissipates(law: StatedLaw, box: _Box, found: _Found) -> bool:
     """Whether g keeps a sign in a part of the box, or the power is >= 0, and > 0 if the law is associated: then grad g is not 0."""
+    if law.viscous:
+        return not _along(law, box, found.of(law.g)) & NEGATIVE
     if found.sign(law.g) in (NEGATIVE, POSITIVE):
         return True
     if law.associated:

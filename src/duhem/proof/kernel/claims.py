@@ -117,7 +117,8 @@ def _objection_in_cases(claim: str, rule: str, row: RuleRow, law: Stated, eviden
     """The objection to a law, and to each of those that it is where a choice of constants goes one way."""
     reasons, unread = set[str](), ""
     try:
-        for form in _forms(claim, law, moves=row.moves and not evidence):
+        in_ranges = rule in _IN_BOXES and isinstance(law, StatedLaw) and law.viscous  # the height of an epigraph has none
+        for form in [law] if in_ranges else _forms(claim, law, moves=row.moves and not evidence):
             reasons.add(_objection(rule, row.check, form, evidence))
             if "" in reasons:
                 return ""

@@ -97,7 +97,8 @@ def dissipation_in_a_box(subject: FormulaSubject | GraphSubject) -> Iterator[Evi
 
 def _in_a_box(subject: FormulaSubject | GraphSubject, rule: str, shown: str) -> Iterator[Evidence]:
     """What a rule may show by enclosures of forces that have ranges with both ends; the kernel passes where they are too many."""
-    ranges = [subject.law.domain.get(x, REAL) for x in subject.law.forces]
+    law = subject.of if isinstance(subject, FormulaSubject) and subject.of.viscous else subject.law  # without the height of an epigraph
+    ranges = [law.domain.get(x, REAL) for x in law.forces]
     if subject.effort >= 1 and all(own.low is not None and own.high is not None for own in ranges):
         yield _offered(rule, f"{shown}, by enclosures in parts of the ranges of the forces", {})
 

@@ -34,7 +34,7 @@ from duhem.proof.search.margins import least_margin
 from duhem.proof.unsettled.blocked import Blocked, blocked, required
 from duhem.proof.unsettled.forms import equal_forms, other_forms
 from duhem.proof.unsettled.limits import holds_a_place, keeps_k, named_around, same_points, with_values, with_values_at_rest
-from duhem.proof.unsettled.ranges import Ranges, around_the_boundary
+from duhem.proof.unsettled.ranges import Ranges, around_the_boundary, away_from_zero
 from duhem.proof.unsettled.term_text import Names, in_text, names_of
 from duhem.proof.unsettled.trials import Attempts, Rewriting, that_help
 from duhem.proof.verdict import CONTRADICTION, Evidence, Unsettled, Verdict
@@ -263,8 +263,10 @@ def _has_k(asked: _OpenClaim, values: Mapping[str, Any]) -> bool:
 
 
 def _ranges(asked: _OpenClaim, values: Mapping[str, Any]) -> Iterator[Ranges]:
-    """Ranges of the forces around the boundary at some values of the parameters."""
-    if isinstance(asked.law, Criterion) and "g" in asked.text and not (asked.law.forces_of_rates or asked.law.viscous):
+    """Ranges of the forces around the boundary at some values of the parameters; of a potential of rates such as are plain."""
+    if isinstance(asked.law, Criterion) and asked.law.viscous:
+        yield from away_from_zero(asked.law)
+    elif isinstance(asked.law, Criterion) and "g" in asked.text and not asked.law.forces_of_rates:
         with suppress(InputError):
             yield from around_the_boundary(FormulaSubject(asked.law.fix(values)))
 

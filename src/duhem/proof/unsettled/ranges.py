@@ -5,7 +5,7 @@ Where the boundary lies is found in floats.  Nothing of that is certain, and not
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from decimal import Decimal
 from fractions import Fraction
 from itertools import islice
@@ -21,7 +21,7 @@ from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.facts.subject import Values
 from duhem.proof.kernel.boxes import MOST_FORCES
 
-__all__ = ["Ranges", "around_the_boundary", "between", "others_at", "places_in_ranges"]
+__all__ = ["Ranges", "around_the_boundary", "away_from_zero", "between", "others_at", "places_in_ranges"]
 
 Ranges = dict[str, dict[str, str]]  # the ends of each force and of the pressure, as a criterion file has them
 _CHOICES, _MANY, _PAIRS = 3, 4000, 600  # of parameters; places drawn; pairs of a place inside and one outside
@@ -29,6 +29,7 @@ _MOST = (0.02, 0.98)  # the quantiles between which most points of the boundary 
 _SAME_SIZE = 3.0  # points count that are at most so many times as large, or as small, as the middle one
 _WIDER, _AWAY = 0.2, 0.1  # how far ranges go beyond these points, and how far they keep away from 0, as shares
 _PATCHES = (0.5, 0.2)  # ranges around one point of the boundary, as shares of its forces
+_RATIO, _SHARES = 3.0, (0.5, 0.2, 0.05)  # of forces where there is no boundary: one to the next, and ranges around them
 _BESIDE = 0.1  # ranges of the pressure around that at which the boundary is found, as a share of it
 _SIZES = ((-3, 3), (-9, 9))  # powers of ten between which the sizes of places are drawn; the second where the first find no boundary
 
@@ -53,7 +54,19 @@ def around_the_boundary(subject: FormulaSubject) -> Iterator[Ranges]:
     low, high = np.maximum(least, np.minimum(size, centre / 2)), np.minimum(most, np.maximum(-size, centre / 2))
     ends += [np.array([np.where(centre > 0, low, least), np.where(centre < 0, high, most)])]
     ends += [np.clip((centre - share * np.abs(centre), centre + share * np.abs(centre)), *own) for share in _PATCHES]
-    pressure = others_at(subject, next(iter(subject.choices(1))))[0] if law.pressure else 0.0
+    yield from _of_forces_and_pressure(law, ends, others_at(subject, next(iter(subject.choices(1))))[0] if law.pressure else 0.0)
+
+
+def away_from_zero(law: Criterion) -> Iterator[Ranges]:
+    """Ranges of plain size that keep away from 0 and from each other, for a law without a boundary, the widest first."""
+    middles = np.array([_RATIO**i for i in range(len(law.forces))])
+    if len(law.forces) <= MOST_FORCES:
+        yield from _of_forces_and_pressure(law, [(middles * (1 - share), middles * (1 + share)) for share in _SHARES], -1.0)
+
+
+def _of_forces_and_pressure(
+    law: Criterion, ends: Iterable[tuple[NDArray[np.float64], NDArray[np.float64]]], pressure: float
+) -> Iterator[Ranges]:
     for low, high in ends:
         sides = {name: (a, b) for name, a, b in zip(law.forces, low, high, strict=True)}
         sides |= {law.pressure: (pressure * (1 + _BESIDE), pressure * (1 - _BESIDE))} if law.pressure else {}
