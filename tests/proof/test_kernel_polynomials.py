@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from fractions import Fraction
 from itertools import pairwise
+from random import Random
 
 import pytest
 
@@ -22,6 +23,7 @@ from duhem.proof.kernel.signs import (
     without_content,
 )
 from duhem.proof.kernel.signs import nonnegative as nonnegative_over
+from duhem.proof.kernel.steps import TooDearError, within
 from duhem.proof.kernel.term import NotWritten, parse
 from tests.proof.small_laws import domain, poly
 
@@ -168,3 +170,13 @@ def test_nothing_is_divided_by_what_may_be_zero(text: str) -> None:
     with pytest.raises(NotWritten):
         nonnegative_over(_with_ray(text), (F(0), F(1)), domain())
     assert without_content(_with_ray("m**2*k*t + m*k"), domain()) == _with_ray("-m*t - 1")
+
+
+def test_long_remainders_are_paid_for() -> None:
+    """Remainders of a polynomial with coefficients of a thousand digits would take seconds; a short one takes next to no steps."""
+    rng = Random(1)
+    long = line(F(rng.getrandbits(3000) + 1) for _ in range(30))
+    with pytest.raises(TooDearError), within(10_000):
+        nonnegative_on_the_line(long, F(0), F(1))
+    with within(1_000):
+        assert nonnegative_on_the_line(line(map(F, (1, -2, 2))), F(0), F(1), True)

@@ -35,6 +35,7 @@ from duhem.proof.kernel.domain import ANY, NEGATIVE, POSITIVE, ZERO, Sign, State
 from duhem.proof.kernel.identity import multiplied_through
 from duhem.proof.kernel.polynomial import Polynomial, in_powers, joined, replaced, root_of_square, times, total, written
 from duhem.proof.kernel.stated_law import as_list, without_more
+from duhem.proof.kernel.steps import pay
 from duhem.proof.kernel.term import ENDS, HALF, NotWritten, Term, factors, minus, number, product_of, sum_of
 
 __all__ = [
@@ -49,6 +50,7 @@ _FINEST = Fraction(1, 2**30)  # a root is enclosed at least as finely as this
 _MOST_HALVINGS = 3
 _MOST_DEGREE = 80  # about ten seconds of Sturm's theorem
 _MOST_DEGREE_OF_A_NUMBER = 24
+_A_CHAIN = 2_000  # degree^4 times digits of remainders that are found in a step
 _MOST_SHARES = 100_000  # terms of polynomials, times their degrees, of one question
 _LINEAR = 60  # terms of a polynomial that is looked at where a parameter has its ends
 _FEW, _SHORT = 3, 12  # names and terms of a polynomial
@@ -399,6 +401,7 @@ def nonnegative_on_the_line(p: Line, low: Fraction, high: Fraction, strict: bool
         return not strict
     if low == high or len(p) == 1 or (strict and sign_at(p, low) <= 0):
         return sign_at(p, low) > -(not strict)
+    pay(len(p) ** 4 * max(c.bit_length() for c in p) // _A_CHAIN)  # remainders grow with the degree
     crossed = parts(p)[not strict]
     inside = _count(_chain(crossed, _slope(crossed)), low, high) - (not strict and sign_at(crossed, high) == 0)
     return inside == 0 and sign_inside(p, low, high) > 0
