@@ -322,7 +322,7 @@ class _Derivatives:
 
     def _narrowed(self, term: Term, jet: _Jet) -> _Jet:
         """The derivatives, with the slopes narrowed by the second ones; the value of the term is narrowed by the slopes."""
-        if self.middle is None or term.op == "name":
+        if self.middle is None or term.op == "name" or (self.pairs and all(b is _ZERO for b in jet[len(self.forces) :])):
             return jet
         at, n = self.middle.of(term), len(self.forces)
         away = [self.box[x].plus(self.middle.box[x].minus()) for x in self.forces]
