@@ -48,11 +48,7 @@ _WIDENING = 1_000_000  # steps to free parameters and to widen ranges
 _TURNS, _MOST_CHOICES, _MOST_FIXED = 7, 6, 4  # of plain values; of those at which everything that decides is asked
 _MOST_DECIDED, _MOST_DUALS, _MOST_BOXED = 16, 3, 2  # times that everything is asked about one claim; choices tried in a box
 _TIMES, _WIDE = 8, 4  # as many steps as for a box with fixed parameters may be spent to widen it
-_MOST_ALONE, _MOST_INSIDE, _INSIDE = (
-    4,
-    2,
-    (Fraction(1, 4), Fraction(3, 4)),
-)  # parameters of which one alone is fixed; other values inside a range
+_MOST_ALONE, _MOST_INSIDE = 4, 2  # parameters of which one alone is fixed; of which other values inside a range are tried
 _LONGEST, _LONGEST_FACTORED = 120, 600  # letters of a constraint, and of a sum of which factors are looked for
 _CURVES = ("curvature-in-a-box",)
 _IN_BOXES = {"convexity": _CURVES, "normality": _CURVES, "smoothness": ("slope-in-a-box",), "dissipation": ("power-in-a-box",)}
