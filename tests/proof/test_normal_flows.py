@@ -25,12 +25,13 @@ def is_proved(g: str, flow: str, **more: object) -> bool:
 SIGN = "where(x > 0, 1, where(x < 0, -1, 0))"
 NORMAL = [
     ("abs(x) - m", SIGN), ("abs(x) - k", SIGN), ("max(x/m, -2*x) - 1", "x"), ("x**2 - k", "x/9"), ("sqrt(x**2) - m", "x"),
-    ("exp(abs(x)) - m", "x*abs(x)"), ("abs(x) - m", "0"), ("2*pos(x) + neg(x)/m - k", "m*pos(x) - neg(x)"),
+    ("exp(abs(x)) - m", "x*abs(x)"), ("2*pos(x) + neg(x)/m - k", "m*pos(x) - neg(x)"),
     ("atan(abs(x)) + x**2 - m", SIGN),
 ]  # fmt: skip
-OTHERS = [  # K is wider than where g < 0, or on one side of 0 alone; the flow is against the force, or g falls, jumps or is flat
-    ("pos(abs(x) - 1)", "x"), ("x - m", "1"), ("abs(x) - m", "1"), ("abs(x) - m", "-x"), ("x**3 - m", "x"), ("-abs(x) + m", "x"),
-    ("where(x > 2, x - 9, abs(x)) - 1", "x"), ("abs(x)**k - m", "x"), ("abs(abs(x) - 2) - m", "x"), ("abs(x) - m", "x - k"),
+OTHERS = [  # the flow is 0 or against the force; K is wider than where g < 0, or on one side of 0 alone; g falls, jumps or is flat
+    ("abs(x) - m", "0"), ("abs(x) - m", "x*abs(x - 1)"), ("pos(abs(x) - 1)", "x"), ("x - m", "1"), ("abs(x) - m", "1"),
+    ("abs(x) - m", "-x"), ("x**3 - m", "x"), ("-abs(x) + m", "x"), ("where(x > 2, x - 9, abs(x)) - 1", "x"), ("abs(x)**k - m", "x"),
+    ("abs(abs(x) - 2) - m", "x"), ("abs(x) - m", "x - k"),
     ("abs(x) - m", f"{SIGN} - 2*pos(x - 9)"), ("min(abs(x), 1) - 1", "x"),
 ]  # fmt: skip
 
@@ -86,10 +87,20 @@ def test_coulombs_law_with_the_sign_of_the_force_is_decided() -> None:
 
 IN_A_PLANE = {  # and multiples of its gradient
     "norm(x, y) - m": ("x", "y"), "norm(x, 2*y) + abs(k)/9 - m - k": ("x", "4*y"), "x**2/m + 3*y**2 - 1": ("2*x", "6*m*y"),
-    "norm(x, y) + x/2 - m": ("x + norm(x, y)/2", "y"), "exp(x) + x**2 + y**2 - 2": ("exp(x) + 2*x", "2*y"),
+    "norm(x, y) + x/2 - m": ("x/norm(x, y) + 1/2", "y/norm(x, y)"), "exp(x) + x**2 + y**2 - 2": ("exp(x) + 2*x", "2*y"),
 }  # fmt: skip
-SHARES = ["{d}", "3*({d})", "m*({d})", "({d})*abs(x)", "({d})*pos(x - y)", "({d})*exp(y)", "where(norm(x, y) > 0, ({d})/norm(x, y), 0)"]
-NO_SHARES = ["-({d})", "({d})*x", "({d})*(abs(x) - 1/9)", "({d}) + y/9", "({d})/x", "where(norm(x, y) > 1/9, -({d}), ({d}))"]
+SHARES = ["{d}", "3*({d})", "m*({d})", "({d})*exp(y)", "where(norm(x, y) > 0, ({d})/norm(x, y), 0)"]
+NO_SHARES = [
+    "({d})*abs(x)",
+    "0*({d})",
+    "({d})*pos(x - y)",
+    "-({d})",
+    "({d})*x",
+    "({d})*(abs(x) - 1/9)",
+    "({d}) + y/9",
+    "({d})/x",
+    "where(norm(x, y) > 1/9, -({d}), ({d}))",
+]
 
 
 def multiple_is_proved(g: str, flow: list[str]) -> bool:

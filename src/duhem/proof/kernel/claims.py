@@ -25,10 +25,11 @@ from duhem.proof.kernel.plane_gauge import StarGauge, above_zero_along_rays
 from duhem.proof.kernel.polynomial import negated, written
 from duhem.proof.kernel.region import convex_in_its_region, region_of, round_at_its_ends, where_it_has_a_value
 from duhem.proof.kernel.regularity import smooth_near_the_boundary, tips
+from duhem.proof.kernel.semidefinite import only_at_zero_force
 from duhem.proof.kernel.simpler_laws import about_its_centre, cases, in_principal_stresses, normal_forms, without_outer_map
 from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.kernel.support import is_support_function, polyhedra, union_is_convex
-from duhem.proof.kernel.term import UNREADABLE, Term, in_words, minus, number, parse, product_of, sum_of
+from duhem.proof.kernel.term import UNREADABLE, Term, factors, in_words, minus, number, parse, product_of, sum_of
 
 __all__ = ["BY_CONSTRUCTION", "CURVE_RULES", "RULES", "RuleRow", "at_point", "needs_of", "objection", "row_of", "rules_of"]
 
@@ -306,7 +307,7 @@ def one_force(law: StatedLaw, evidence: Evidence) -> bool:
 
 
 def pushes_away_from_zero(law: StatedLaw, _: Evidence) -> bool:
-    """g of one force rises with the size of that, on both sides of 0, and the flow is not against it.
+    """g of one force rises with the size of that, on both sides of 0, and the flow has its sign.
 
     Where g = 0 and the force is not 0 it is the end of K on its side; if it is 0, K is zero force alone.
     """
@@ -321,7 +322,7 @@ def pushes_away_from_zero(law: StatedLaw, _: Evidence) -> bool:
                 continue  # the formula is another there
             there, (slope,) = away.where(dict.fromkeys(sides, False)), gradient(g, law.forces)
             rise = there.facts(product_of(way, slope))
-            if not (rise.defined and rise.sign == POSITIVE and there.never_negative(product_of(way, flow))):
+            if not (rise.defined and rise.sign == there.sign(product_of(way, flow)) == POSITIVE):
                 return False
     return True
 
@@ -332,7 +333,10 @@ def parallel(law: StatedLaw, evidence: Evidence) -> bool:
 
 
 def gradient_flow(law: StatedLaw, _: Evidence) -> bool:
-    """The flow is a multiple >= 0 of the gradient of g, wherever a tip of g is not 0; g is C^1 where it is 0, convex, and negative at 0."""
+    """The flow is a multiple > 0 of the gradient of g, wherever a tip of g is not 0; g is C^1 where it is 0, convex, and negative at 0.
+
+    It is a constant multiple; or parallel to the gradient and not against it, and 0 at zero force alone.
+    """
     domain, shape, slopes = over(law), _shape(law, {}), gradient(law.g, law.forces)
     if law.flow is None or not (shape.defined and shape.convex and _inside(law, {}) and smooth_near_the_boundary(law.g, domain)):
         return False
@@ -346,9 +350,21 @@ def gradient_flow(law: StatedLaw, _: Evidence) -> bool:
         return vanishes(in_order(sum_of(a, minus(b)), domain), domain)
 
     pairs = [*zip(flow, slopes, strict=True)]
-    across = (same(product_of(d, q), product_of(e, p)) for (d, p), (e, q) in combinations(pairs, 2))
-    along = sum_of(*(product_of(d, slope) for d, slope in pairs))
-    return all(same(d, slope) for d, slope in pairs) or (all(across) and domain.where(above).never_negative(along))
+    scales = {_scale(d, domain): _scale(slope, domain) for d, slope in pairs}  # d times the one is the slope times the other
+    if any(
+        over(law).facts(product_of(c, k)).sign == POSITIVE and all(same(product_of(k, d), product_of(c, p)) for d, p in pairs)
+        for c, k in scales.items()
+    ):
+        return True
+    beside, square = domain.where(above), sum_of(*(product_of(d, d) for d in flow))
+    moves = beside.sign(square) == POSITIVE or only_at_zero_force(square, domain)
+    ahead = moves and beside.never_negative(sum_of(*(product_of(d, slope) for d, slope in pairs)))
+    return ahead and all(same(product_of(d, q), product_of(e, p)) for (d, p), (e, q) in combinations(pairs, 2))
+
+
+def _scale(term: Term, domain: StatedDomain) -> Term:
+    """The constants among its factors."""
+    return product_of(number(1), *(f for f in factors(term) if domain.constant(f)))
 
 
 def _choices(terms: Iterable[Term]) -> Iterator[tuple[Term, ...]]:
@@ -557,12 +573,12 @@ RULES: Mapping[tuple[str, str], RuleRow] = {
     ),
     ("normality", "one-force"): RuleRow(
         _NONE, pushes_away_from_zero, obligations.formula_and_flow,
-        "g rises with the size of the force on both sides of 0, and the flow has the sign of the force or is 0: so it is normal to the "
+        "g rises with the size of the force on both sides of 0, and the flow has the sign of the force: so it is normal to the "
         "interval K at both its ends", most_forces=1,
     ),
     ("normality", "gradient"): RuleRow(
         _CONVEXITY, gradient_flow, obligations.formula,
-        "the flow is a multiple >= 0 of grad g, and g is convex, negative at zero force and C^1 wherever it is 0: so grad g is not 0 there",
+        "the flow is a multiple > 0 of grad g, and g is convex, negative at zero force and C^1 wherever it is 0: so grad g is not 0 there",
     ),
     ("dissipation", "fenchel"): RuleRow(
         _ORIGIN | {"normality"}, lambda law, _: True, obligations.flow,

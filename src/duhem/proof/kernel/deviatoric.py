@@ -272,9 +272,10 @@ class DeviatoricReader(PlaneVariable):
 
     def of_root(self, term: Term) -> Facts | None:
         """What is shown of (f^k + c)^e with f >= 0 convex, c >= 0, k >= 1 and e k >= 1: it rises with f, and is convex."""
-        parts = term.args[0].args if term.op == "**" and term.args[0].op == "+" else ()
-        moving, still = ([a for a in parts if self.domain.constant(a) is c] for c in (False, True))
-        if (e := number_in(self.domain.polynomial(term.args[-1]))) is None or not moving or not still:
+        if term.op != "**" or term.args[0].op != "+":
+            return None
+        moving, still = ([a for a in term.args[0].args if self.domain.constant(a) is c] for c in (False, True))
+        if (e := number_in(self.domain.polynomial(term.args[1]))) is None or not moving or not still:
             return None
         value, rest = self.added(list(map(self.read, moving))), self.domain.facts(sum_of(*still))
         if min(value.degree, e * value.degree) < 1 or not (rest.defined and rest.nonnegative):
