@@ -20,7 +20,7 @@ import flint
 import sympy as sp
 
 from duhem.errors import InputError
-from duhem.expression import defined_at, holds_at
+from duhem.expression import defined_at
 from duhem.expression.angles import algebraic_angles
 from duhem.expression.ball_series import compiled, derivatives
 from duhem.expression.balls import ball, certain_sign
@@ -29,7 +29,6 @@ from duhem.expression.parse import parse_as_written
 from duhem.expression.text import formula
 from duhem.law.curve_law import ParametricCriterion
 from duhem.law.domain import Domain
-from duhem.law.parameter_domain import simple_points
 from duhem.proof.decide import EFFORTS, Budget
 from duhem.proof.decide.question import Obligation, obligations
 from duhem.proof.facts.subject import Subject, Values, rationals
@@ -250,7 +249,7 @@ class CurveSubject(Subject):
         Either way of running it has the same points, each with the same flow.  A few points suggest which way shows more.
         """
         given = self._in_angle(self.law.boundary, self.sine)
-        for values in self.choices(1):
+        for values in self.choices(_LOOKED_AT):
             curve = self._numeric([x.xreplace(rationals(values)) for x in given], None)
             points = [curve.point(Fraction(k, 8)) for k in (-40, -16, -8, -4, 0, 4, 8, 16, 40)]
             if certain_sign(sum(cross(p, q) for p, q in zip(points, points[1:] + points[:1], strict=True))) == -1:
@@ -304,28 +303,10 @@ class CurveSubject(Subject):
         return NumericCurve(boundary, flow, self.cosine, self.sine, self.budget.part(self.budget.left // 2))
 
     def choices(self, most: int) -> Iterator[Values]:
-        """Exact values of the free parameters inside the domain: the plainest first, then ends of ranges and random ones over decades."""
-        if not self.free:
-            yield {}
-            return
-        rng = Random(7)
-        domains = {x: self.law.parameters[x.name] for x in self.free}
-        plain = [{x: point[x] for x in self.free} for point in simple_points(self.law)]
-        middle = plain[-1]
-        drawn = ({x: _drawn(domain, rng) for x, domain in domains.items()} for _ in range(40 * most))
-        ends = ({**middle, x: end} for x in self.free for end in _closed_ends(domains[x]))
-        others = chain.from_iterable(zip(ends, drawn))  # noqa: B905
-        admitted = (point for point in chain(plain, others, drawn) if all(holds_at(r, point) for r in self.given))
-        for point in islice(admitted, most):
-            yield {x: fraction(value) for x, value in point.items()}
-
-
-def _closed_ends(domain: Domain) -> Iterator[sp.Rational]:
-    """The ends of a range that belong to it."""
-    if domain.low is not None and not domain.positive:
-        yield domain.low
-    if domain.high is not None:
-        yield domain.high
+        """Exact values of the free parameters inside the domain: the plainest first, then random ones over decades."""
+        rng, domains = Random(7), {x: self.law.parameters[x.name] for x in self.free}
+        drawn = ({x: fraction(_drawn(domain, rng)) for x, domain in domains.items()} for _ in range(40 * most if domains else 0))
+        yield from islice(chain(super().choices(most), filter(self.admits, drawn)), most)
 
 
 def _drawn(domain: Domain, rng: Random) -> sp.Rational:

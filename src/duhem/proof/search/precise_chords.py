@@ -14,8 +14,6 @@ from functools import partial
 from math import floor
 from typing import Any
 
-import sympy as sp
-
 from duhem.expression import mpmath_
 from duhem.expression.mpmath_ import reach
 from duhem.expression.number import fraction
