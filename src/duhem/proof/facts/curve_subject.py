@@ -29,6 +29,7 @@ from duhem.expression.parse import parse_as_written
 from duhem.expression.text import formula
 from duhem.law.curve_law import ParametricCriterion
 from duhem.law.domain import Domain
+from duhem.law.parameter_domain import simple_points
 from duhem.proof.decide import EFFORTS, Budget
 from duhem.proof.decide.question import Obligation, obligations
 from duhem.proof.facts.subject import Subject, Values, rationals
@@ -249,7 +250,7 @@ class CurveSubject(Subject):
         Either way of running it has the same points, each with the same flow.  A few points suggest which way shows more.
         """
         given = self._in_angle(self.law.boundary, self.sine)
-        for values in self.choices(_LOOKED_AT):
+        for values in self.choices(1):
             curve = self._numeric([x.xreplace(rationals(values)) for x in given], None)
             points = [curve.point(Fraction(k, 8)) for k in (-40, -16, -8, -4, 0, 4, 8, 16, 40)]
             if certain_sign(sum(cross(p, q) for p, q in zip(points, points[1:] + points[:1], strict=True))) == -1:
@@ -303,10 +304,12 @@ class CurveSubject(Subject):
         return NumericCurve(boundary, flow, self.cosine, self.sine, self.budget.part(self.budget.left // 2))
 
     def choices(self, most: int) -> Iterator[Values]:
-        """Exact values of the free parameters inside the domain: the plainest first, then random ones over decades."""
+        """Exact values of the free parameters inside the domain: the plainest first, then ends of ranges and random ones over decades."""
         rng, domains = Random(7), {x: self.law.parameters[x.name] for x in self.free}
-        drawn = ({x: fraction(_drawn(domain, rng)) for x, domain in domains.items()} for _ in range(40 * most if domains else 0))
-        yield from islice(chain(super().choices(most), filter(self.admits, drawn)), most)
+        plain = ({x: fraction(point[x]) for x in self.free} for point in simple_points(self.law))
+        drawn = ({x: fraction(_drawn(domain, rng)) for x, domain in domains.items()} for _ in range(40 * most))
+        every = chain(plain, super().choices(most), drawn) if self.free else [{}]
+        yield from islice(filter(self.admits, every), most)
 
 
 def _drawn(domain: Domain, rng: Random) -> sp.Rational:
