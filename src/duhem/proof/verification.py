@@ -322,8 +322,7 @@ def _of_the_whole(name: str, evidence: Evidence, best: Trust | None, whole: Law,
     if evidence.verdict is Verdict.REFUTED or best is Trust.CHECKED:
         return None
     (found,) = claim_results(whole, (name,), effort)
-    better = found.trust is not None and (best is None or Trust.weakest(found.trust, best) is not found.trust)
-    return found if better else None
+    return found if found.trust is Trust.CHECKED or (best is None and found.trust is not None) else None
 
 
 @contextmanager
