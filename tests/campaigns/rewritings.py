@@ -448,7 +448,7 @@ def verdicts(law: Criterion, whole: bool, steps: int = _STEPS) -> dict[str, str]
     for claim in ASKED:
         offer = kernel.proof(claim, steps)
         if offer is not None:
-            kernel.of(claim, offer, ())
+            kernel.of(claim, offer)
         found[claim] = "open" if offer is None else "proved"
     return found
 

@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 from fractions import Fraction
-from typing import Any
 
 import pytest
 import sympy as sp
 
 from duhem import POSITIVE, Criterion, Domain, InputError, Verdict, verify
-from duhem.proof.claims import Claim
+from duhem.proof.claims import CLAIMS, ProofMethod
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.facts.subject import rationals
-from duhem.proof.verdict import Evidence
+from duhem.proof.verdict import Evidence, Trust
+from duhem.proof.verification import Confirmations, Standing
 from tests.long import long_at, long_but, mostly_long
 
 PROVED, REFUTED = Verdict.PROVED, Verdict.REFUTED
@@ -138,20 +139,17 @@ def test_an_ordinary_law_is_not_called_odd() -> None:
         assert not [r for r in verify(law(g, q=Domain.between(0, 1)), claims=["origin"]).remarks if r.startswith("K ")]
 
 
-def test_a_proof_that_a_refuter_disagrees_with_is_a_defect(monkeypatch: pytest.MonkeyPatch) -> None:
-    """A prover that lies: what rests on it is not proved either, and the report says that something is wrong."""
-    astroid = law("sqrt(abs(a)) + sqrt(abs(b)) - 1")
-    honest = Claim.examine
-
-    def lying(self: Claim, subject: Any, settled: Any, *confirmed: Any) -> Evidence:
-        return Evidence(PROVED, "spoilt", "") if self.name == "convexity" else honest(self, subject, settled, *confirmed)
-
-    monkeypatch.setattr(Claim, "examine", lying)
-    found = verify(astroid, claims=["convexity", "normality"])
-    assert found["convexity"].verdict is Verdict.UNDECIDED and found["convexity"].trust is None
-    assert "spoilt proved it and witness-chord refutes it" in found["convexity"].detail
-    assert found["normality"].verdict is not PROVED
-    assert found.remarks[0].startswith("convexity: spoilt proved it")
+@pytest.mark.parametrize("claim", ["convexity", "smoothness", "normality"])
+def test_a_prover_that_lies_proves_nothing(claim: str) -> None:
+    """Only what the kernel confirms counts: of the disk it finds a rule by itself, of the astroid and the turned flow none."""
+    lying = replace(CLAIMS[claim], methods=(ProofMethod(FormulaSubject, lambda _: Evidence(PROVED, "spoilt", "")),))
+    turned = law("norm(a, b) - 1", flow=("a - 9*b", "b + 9*a"))
+    false = turned if claim == "normality" else law("sqrt(abs(a)) + sqrt(abs(b)) - 1")
+    assert lying.examine(FormulaSubject(false), {}, Confirmations(false)).verdict is Verdict.UNDECIDED
+    assert lying.examine(FormulaSubject(false), {}).verdict is Verdict.UNDECIDED
+    disk = law("norm(a, b) - 1")
+    kernel = Confirmations(disk, standings={name: Standing(Trust.CHECKED) for name in ("origin", "convexity")})
+    assert lying.examine(FormulaSubject(disk), {}, kernel).verdict is PROVED
 
 
 # -- what was tested ----------------------------------------------------------------------------------------------------

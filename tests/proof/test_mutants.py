@@ -272,7 +272,7 @@ def _answered(row: Row) -> str | None:
         assert result.witness is not None
         good = not row.true and confirmed(row.law, row.claim, result.witness)
     else:
-        good = row.hard and result.method != "contradiction"  # what the refuters stopped was a false proof all the same
+        good = row.hard
     return None if good else f"{row.law.name}: {row.claim} {result.verdict} by {result.method}"
 
 

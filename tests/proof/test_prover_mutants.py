@@ -358,8 +358,8 @@ def test_a_lie_is_not_confirmed(lie: Lie) -> None:
     assert honestly is None or honestly.verdict is not Verdict.PROVED or honestly.detail != told.detail
     confirmations = Confirmations(lie.law)
     for claim in CLAIMS[: CLAIMS.index(lie.claim)]:
-        confirmations.of(claim, PROVED, ())
-    standing = confirmations.of(lie.claim, told, ())
+        confirmations.of(claim, PROVED)
+    standing = confirmations.of(lie.claim, told)
     assert standing is not None and standing.trust is not Trust.CHECKED
 
 
@@ -375,7 +375,7 @@ def test_a_proof_stands_no_better_than_what_it_rests_on(own: str, premise: Trust
     """The flow of a law of its own: the kernel has no rule for it here, so that the method's own word counts."""
     law = Criterion("turned", "norm(a, b) - 1", forces=("a", "b"), pressure=None, flow=("a - b", "a + b"))
     confirmations = Confirmations(law, standings={"convexity": Standing(premise)})
-    standing = confirmations.of("normality", Evidence(Verdict.PROVED, own, ""), ["convexity"])
+    standing = confirmations.of("normality", Evidence(Verdict.PROVED, own, ""))
     assert standing is not None and standing.trust is stands
 
 
@@ -383,7 +383,7 @@ def test_a_proof_stands_no_better_than_what_it_rests_on(own: str, premise: Trust
 def test_a_consequence_stands_as_what_it_rests_on(premise: Trust) -> None:
     law = Criterion("disc", "norm(a, b) - 1", forces=("a", "b"), pressure=None)
     confirmations = Confirmations(law, standings={"convexity": Standing(premise)})
-    standing = confirmations.of("normality", Evidence(Verdict.PROVED, "anything (smt-z3)", ""), ["convexity"])
+    standing = confirmations.of("normality", Evidence(Verdict.PROVED, "anything (smt-z3)", ""))
     assert standing is not None and standing.trust is premise
 
 

@@ -23,7 +23,7 @@ from duhem.proof.facts.formula_subject import FormulaSubject, RateSubject
 from duhem.proof.facts.graph_subject import GraphSubject
 from duhem.proof.facts.subject import Subject
 from duhem.proof.methods import coupled, curves, evidence, refuters
-from duhem.proof.verdict import CONTRADICTION, Evidence, Verdict
+from duhem.proof.verdict import Evidence, Verdict
 
 __all__ = [
     "CHEAP", "CLAIMS", "COUPLED", "DEAR", "EVERY", "SPELLED_OTHERWISE", "Claim", "Consequence", "Finder", "Kernel", "OnMethod",
@@ -63,14 +63,10 @@ class Rules:
 
 @dataclass(frozen=True)
 class ProofMethod(Generic[S]):
-    """A method of proof or refutation: ``run`` answers, or passes with None, for the kind of law it ``takes``.
-
-    A cheap refuter looks ``again`` after a proof that nobody else has confirmed.
-    """
+    """A method of proof or refutation: ``run`` answers, or passes with None, for the kind of law it ``takes``."""
 
     takes: type[S]
     run: Callable[[S], Evidence | None]
-    again: bool = False
 
 
 @dataclass(frozen=True)
@@ -173,18 +169,6 @@ class Claim:
             return subject.may_refute(self.name, found.witness.points.values())
         return found.verdict is not Verdict.PROVED or subject.may_prove(self.name) or confirms(found)
 
-    def contradiction(self, subject: Subject, settled: Settled) -> Evidence | None:
-        """What is left of a proof that a refuter disagrees with: one of the two is wrong, and who reads it is told so."""
-        subject.allow(self.steps)
-        again = (m for m in self.methods if isinstance(m, ProofMethod) and m.again and isinstance(subject, m.takes))
-        for found in (method.run(subject) for method in again):
-            if found is not None and found.witness is not None and subject.may_refute(self.name, found.witness.points.values()):
-                where = {**found.witness.parameters, **{role: dict(point) for role, point in found.witness.points.items()}}
-                both = f"{settled[self.name].method} proved it and {found.method} refutes it at {where}"
-                detail = f"{both}: this is a defect of duhem, please report it"
-                return Evidence(Verdict.UNDECIDED, CONTRADICTION, detail)
-        return None
-
 
 _ALL = (
     Claim(
@@ -194,7 +178,7 @@ _ALL = (
             ProofMethod(Subject, refuters.origin_out_of_range),
             CHEAP,
             WITHOUT_K,
-            ProofMethod(FormulaSubject, refuters.origin_at_parameters, again=True),
+            ProofMethod(FormulaSubject, refuters.origin_at_parameters),
             DEAR,
             ProofMethod(FormulaSubject, refuters.origin_undefined),
             OF_GRAPH,
@@ -213,12 +197,12 @@ _ALL = (
             SPELLED_OTHERWISE,
             ProofMethod(FormulaSubject, refuters.convexity_at_deepest_dents),
             ProofMethod(FormulaSubject, refuters.convexity_at_far_points),
-            ProofMethod(FormulaSubject, refuters.convexity_by_scouting, again=True),
+            ProofMethod(FormulaSubject, refuters.convexity_by_scouting),
             ProofMethod(FormulaSubject, refuters.convexity_between_exact_rays),
             ProofMethod(FormulaSubject, refuters.convexity_beside_edges),
             DEAR,
             ProofMethod(FormulaSubject, refuters.convexity_at_dents),
-            ProofMethod(FormulaSubject, refuters.convexity_at_seams, again=True),
+            ProofMethod(FormulaSubject, refuters.convexity_at_seams),
             Finder(FormulaSubject, evidence.convexity_on_boundary),
             Finder(FormulaSubject, evidence.convexity_in_a_box),
             ProofMethod(FormulaSubject, refuters.convexity_by_thorough_scouting),
@@ -239,8 +223,8 @@ _ALL = (
             Finder(FormulaSubject, evidence.smoothness_by_sums),
             Finder(FormulaSubject, evidence.smoothness_of_an_interval),
             SPELLED_OTHERWISE,
-            ProofMethod(FormulaSubject, refuters.smoothness_at_sharp_points, again=True),
-            ProofMethod(FormulaSubject, refuters.smoothness_at_corners, again=True),
+            ProofMethod(FormulaSubject, refuters.smoothness_at_sharp_points),
+            ProofMethod(FormulaSubject, refuters.smoothness_at_corners),
             DEAR,
             Finder(FormulaSubject, evidence.smoothness_by_identities),
             Finder(FormulaSubject, evidence.smoothness_in_a_box),
@@ -255,10 +239,10 @@ _ALL = (
         statement="the flow direction lies in the normal cone of K at every boundary point",
         methods=(
             CHEAP,
-            ProofMethod(RateSubject, refuters.normality_of_rates, again=True),
+            ProofMethod(RateSubject, refuters.normality_of_rates),
             Consequence(FormulaSubject, refuters.normality_at_chord),
             SPELLED_OTHERWISE,
-            ProofMethod(FormulaSubject, refuters.normality_at_points, again=True),
+            ProofMethod(FormulaSubject, refuters.normality_at_points),
             Finder(FormulaSubject, evidence.normality_parallel),
             ProofMethod(FormulaSubject, refuters.normality_by_sampling),
             ProofMethod(CurveSubject, curves.normality_by_deviation),
@@ -271,12 +255,12 @@ _ALL = (
         statement="force . flow >= 0 at every boundary point",
         methods=(
             CHEAP,
-            ProofMethod(RateSubject, refuters.dissipation_of_rates, again=True),
+            ProofMethod(RateSubject, refuters.dissipation_of_rates),
             Finder(FormulaSubject, evidence.dissipation_of_potential),
             Finder(FormulaSubject, evidence.dissipation_by_shares),
             SPELLED_OTHERWISE,
-            ProofMethod(FormulaSubject, refuters.dissipation_in_states, again=True),
-            ProofMethod(FormulaSubject, refuters.dissipation_at_points, again=True),
+            ProofMethod(FormulaSubject, refuters.dissipation_in_states),
+            ProofMethod(FormulaSubject, refuters.dissipation_at_points),
             DEAR,
             Finder(FormulaSubject, evidence.dissipation_by_identities),
             Finder(FormulaSubject, evidence.dissipation_in_a_box),
@@ -296,9 +280,9 @@ _ALL = (
         methods=(
             CHEAP,
             ProofMethod(FormulaSubject, evidence.state_laws_not_stated),
-            ProofMethod(FormulaSubject, refuters.energy_of_two_forces, again=True),
-            ProofMethod(FormulaSubject, refuters.energy_at_bends, again=True),
-            ProofMethod(FormulaSubject, refuters.energy_in_temperature, again=True),
+            ProofMethod(FormulaSubject, refuters.energy_of_two_forces),
+            ProofMethod(FormulaSubject, refuters.energy_at_bends),
+            ProofMethod(FormulaSubject, refuters.energy_in_temperature),
             Finder(FormulaSubject, evidence.convexity_by_sums),
             DEAR,
         ),
@@ -306,7 +290,7 @@ _ALL = (
     Claim(
         name="thermal",
         statement="D_th >= 0: heat flows from the warmer to the colder, for all temperatures > 0",
-        methods=(CHEAP, ProofMethod(Subject, evidence.without_heat), ProofMethod(FormulaSubject, refuters.heat_uphill, again=True), DEAR),
+        methods=(CHEAP, ProofMethod(Subject, evidence.without_heat), ProofMethod(FormulaSubject, refuters.heat_uphill), DEAR),
     ),
 )
 _TOGETHER = (

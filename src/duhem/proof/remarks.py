@@ -34,7 +34,7 @@ from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.kernel.steps import TooDearError, within
 from duhem.proof.kernel.term import NotWritten
 from duhem.proof.statement import as_written
-from duhem.proof.verdict import CONTRADICTION, Evidence, Verdict
+from duhem.proof.verdict import Evidence, Verdict
 
 __all__ = ["Extent", "extent", "not_needed", "remarks", "scope"]
 
@@ -82,21 +82,20 @@ def not_needed(law: Law, verdicts: Iterable[Verdict]) -> Iterator[LeftOut]:
 
 
 def remarks(subject: Subject, settled: Mapping[str, Evidence]) -> tuple[tuple[str, ...], bool]:
-    """What a reader should know first: defects, what is odd about the law, and what holds of it with an exception.
+    """What a reader should know first: what is odd about the law, and what holds of it with an exception.
 
     And whether K has no boundary point but 0, so that nothing is said when nothing is found to dissipate less than 0.
     """
-    found = tuple(f"{claim}: {evidence.detail}" for claim, evidence in settled.items() if evidence.method == CONTRADICTION)
     if not isinstance(subject, FormulaSubject):
-        return found, False
+        return (), False
     of_state = tuple(_of_state(subject.of, settled))
     if subject.law.viscous or isinstance(subject, RateSubject):
-        return (*found, *of_state), False
+        return of_state, False
     if not subject.law.around_zero:  # what is odd is said of all of K
-        return (*found, *of_state, *_singular(subject)), False
+        return (*of_state, *_singular(subject)), False
     subject.allow(_STEPS)
     odd = extent(subject)
-    return (*found, *_oddities(subject, odd, settled), *of_state, *_singular(subject)), odd is not None and not odd.boundary
+    return (*_oddities(subject, odd, settled), *of_state, *_singular(subject)), odd is not None and not odd.boundary
 
 
 def _of_state(law: Criterion, settled: Mapping[str, Evidence]) -> Iterator[str]:
@@ -157,7 +156,7 @@ def _singular(subject: FormulaSubject) -> Iterator[str]:
         where = ", ".join(f"{x} = {formula(_stated(subject, value))}" for x, value in place.forces.items() if value != x)
         points = "those points are" if any(value.free_symbols & set(place.forces) for value in place.forces.values()) else "that point is"
         inside = f"; {points} inside K{f' for {pressure} < 0' if pressure else ''}, so the boundary is not touched" if place.inside else ""
-        yield f"g is not differentiable at {'zero force' if place.zero_force else where}{inside}"
+        yield f"g is not differentiable at {where if any(place.forces.values()) else 'zero force'}{inside}"
 
 
 def _admitted(subject: FormulaSubject, values: Mapping[sp.Symbol, sp.Rational]) -> str:

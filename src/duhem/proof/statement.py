@@ -73,9 +73,6 @@ class Problem:
     faces: tuple[Face, ...]
     slice: Mapping[sp.Symbol, sp.Rational]
 
-    def __hash__(self) -> int:
-        return hash((self.g, self.forces, self.given, self.faces))
-
     @property
     def associated(self) -> bool:
         """Whether the slip is normal to the boundary by definition."""

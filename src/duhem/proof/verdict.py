@@ -16,11 +16,10 @@ from duhem.expression.number import nearest_double
 from duhem.law.frozen_mapping import FrozenMapping
 from duhem.show.printing import Shown
 
-__all__ = ["CONTRADICTION", "ClaimResult", "Evidence", "Proof", "Trust", "Unsettled", "Verdict", "Witness"]
+__all__ = ["ClaimResult", "Evidence", "Proof", "Trust", "Unsettled", "Verdict", "Witness"]
 
 
 _MOST = 60  # characters of parameters in one line
-CONTRADICTION = "contradiction"  # the method of a claim that one method proved and another refutes
 
 _FORM = "try: your own values, --set NAME=VALUE; no constraint, range, other form or plain value that duhem tried settles the claim"
 

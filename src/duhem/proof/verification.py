@@ -36,7 +36,7 @@ from duhem.proof.kernel.steps import TooDearError, within
 from duhem.proof.kernel.term import NotWritten
 from duhem.proof.methods.coupled import polar_of_the_cone
 from duhem.proof.remarks import not_needed, remarks, scope
-from duhem.proof.verdict import CONTRADICTION, ClaimResult, Evidence, Proof, Trust, Unsettled, Verdict
+from duhem.proof.verdict import ClaimResult, Evidence, Proof, Trust, Unsettled, Verdict
 from duhem.show.place import AnyPath, check_place, write
 from duhem.show.printing import Shown
 from duhem.version import __version__
@@ -229,12 +229,10 @@ def verdict_within(law: Criterion, claim: str, steps: int | Budget) -> Verdict:
         if kernel.proof(claim, CHEAP.steps, CHEAP.as_written) is None:
             for name in sorted(kernel.needs(claim)):
                 if (needed := kernel.proof(name, kernel.whole.left // _SHARE, CHEAP.as_written)) is not None:
-                    kernel.of(name, needed, ())
+                    kernel.of(name, needed)
         subject = dict(_in_state(law, EFFORTS["quick"], kernel.whole)).get(claim) or FormulaSubject(law, EFFORTS["quick"], kernel.whole)
         before = {name: CLAIMS[name].provers_first().examine(subject, {}, kernel) for name in asked.needs if name == "convexity"}
         found = asked.provers_first().examine(subject, before, kernel)
-        if kernel.of(claim, found, ()).trust not in (None, Trust.CHECKED):
-            found = asked.contradiction(subject, {claim: found}) or found
     return found.verdict
 
 
@@ -271,14 +269,10 @@ def _examined(
         start, before = time.perf_counter(), subject.spent + confirmations.spent
         with _alone():
             settled[name] = evidence = EVERY[name].examine(subject, settled, confirmations, on_method)
-            standing = confirmations.of(name, evidence, EVERY[name].needs)
-            doubted = standing.trust not in (None, Trust.CHECKED)
-            if doubted and (against := EVERY[name].contradiction(subject, settled)) is not None:
-                settled[name] = evidence = against
-                standing = confirmations.of(name, evidence, EVERY[name].needs)
+            standing = confirmations.of(name, evidence)
             if whole is not None and (proof := _of_the_whole(name, evidence, standing.trust, whole, effort)) is not None:
                 evidence = settled[name] = confirmations.of_a_part(name, proof, whole)
-                standing = confirmations.of(name, evidence, EVERY[name].needs)
+                standing = confirmations.of(name, evidence)
         seconds = time.perf_counter() - start
         verdict, witness, steps = evidence.verdict, evidence.witness, subject.spent + confirmations.spent - before
         left = None
@@ -325,11 +319,10 @@ def _in_state(law: Law, share: Fraction, steps: Budget | None = None) -> Iterato
 
 def _of_the_whole(name: str, evidence: Evidence, best: Trust | None, whole: Law, effort: str) -> ClaimResult | None:
     """A claim of the whole law where that is proved with more trust than the part; None where it is not, or need not be asked."""
-    if evidence.verdict is Verdict.REFUTED or evidence.method == CONTRADICTION or best is Trust.CHECKED:
+    if evidence.verdict is Verdict.REFUTED or best is Trust.CHECKED:
         return None
     (found,) = claim_results(whole, (name,), effort)
-    better = found.trust is not None and (best is None or Trust.weakest(found.trust, best) is not found.trust)
-    return found if better else None
+    return found if found.trust is Trust.CHECKED or (best is None and found.trust is not None) else None
 
 
 @contextmanager
@@ -404,16 +397,14 @@ class Confirmations:
         found = self._accepted(claim, evidence.proof)
         return found is not None and self._needed(claim, found) <= self._checked()
 
-    def of(self, claim: str, evidence: Evidence, rests_on: Iterable[str]) -> Standing:
-        """How a proof stands, where the claims it may have started from, ``rests_on``, came before."""
+    def of(self, claim: str, evidence: Evidence) -> Standing:
+        """How a proof stands, where the claims that its rule needs came before."""
         self.standings.pop(claim, None)  # a proof may have turned out to be none
         if evidence.verdict is not Verdict.PROVED:
             return Standing()
         proof = self._accepted(claim, evidence.proof)
-        if proof is not None:
-            own, premises = Trust.CHECKED, self._needed(claim, proof)
-        else:
-            own, premises = Trust.PROVER, frozenset(rests_on) & self.standings.keys()
+        premises = () if proof is None else self._needed(claim, proof)
+        own = Trust.PROVER if proof is None else Trust.CHECKED
         trust = Trust.weakest(own, *(self.standings[name].trust or Trust.PROVER for name in premises))
         self.standings[claim] = Standing(trust, proof if trust is Trust.CHECKED else None)
         return self.standings[claim]

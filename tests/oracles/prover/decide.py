@@ -41,6 +41,12 @@ class AskedSubject(FormulaSubject):
         """The answer, for as many steps as a question may have."""
         return decide(question, self.budget.part(self._question_steps))
 
+    def may_prove(self, claim: str) -> bool:
+        """Whether a proof of the second way counts; one of a formula that may be undefined somewhere would be of another law."""
+        told = self.law.energy is None and not self.law.rates if claim == "dissipation" else True
+        shown = not (self.doubtful or (claim in ("normality", "dissipation") and self.doubtful_flow))
+        return told and shown and self.of is self.law and self.law.around_zero and self.constraints_defined
+
     def ask(self, expr: sp.Expr, sense: Sense, *given: sp.Basic, circle: tuple[sp.Symbol, sp.Symbol] | None = None) -> Answer:
         """Decide ``expr sense 0`` over the parameter domain of the simple problem and further relations, and on the unit circle."""
         on = () if circle is None else (sp.Eq(circle[0] ** 2 + circle[1] ** 2, 1),)

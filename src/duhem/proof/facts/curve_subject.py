@@ -20,7 +20,7 @@ import flint
 import sympy as sp
 
 from duhem.errors import InputError
-from duhem.expression import defined_at, holds_at
+from duhem.expression import defined_at
 from duhem.expression.angles import algebraic_angles
 from duhem.expression.ball_series import compiled, derivatives
 from duhem.expression.balls import ball, certain_sign
@@ -305,27 +305,11 @@ class CurveSubject(Subject):
 
     def choices(self, most: int) -> Iterator[Values]:
         """Exact values of the free parameters inside the domain: the plainest first, then ends of ranges and random ones over decades."""
-        if not self.free:
-            yield {}
-            return
-        rng = Random(7)
-        domains = {x: self.law.parameters[x.name] for x in self.free}
-        plain = [{x: point[x] for x in self.free} for point in simple_points(self.law)]
-        middle = plain[-1]
-        drawn = ({x: _drawn(domain, rng) for x, domain in domains.items()} for _ in range(40 * most))
-        ends = ({**middle, x: end} for x in self.free for end in _closed_ends(domains[x]))
-        others = chain.from_iterable(zip(ends, drawn))  # noqa: B905
-        admitted = (point for point in chain(plain, others, drawn) if all(holds_at(r, point) for r in self.given))
-        for point in islice(admitted, most):
-            yield {x: fraction(value) for x, value in point.items()}
-
-
-def _closed_ends(domain: Domain) -> Iterator[sp.Rational]:
-    """The ends of a range that belong to it."""
-    if domain.low is not None and not domain.positive:
-        yield domain.low
-    if domain.high is not None:
-        yield domain.high
+        rng, domains = Random(7), {x: self.law.parameters[x.name] for x in self.free}
+        plain = ({x: fraction(point[x]) for x in self.free} for point in simple_points(self.law))
+        drawn = ({x: fraction(_drawn(domain, rng)) for x, domain in domains.items()} for _ in range(40 * most))
+        every = chain(plain, super().choices(most), drawn) if self.free else [{}]
+        yield from islice(filter(self.admits, every), most)
 
 
 def _drawn(domain: Domain, rng: Random) -> sp.Rational:

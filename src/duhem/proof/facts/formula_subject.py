@@ -34,7 +34,6 @@ from duhem.proof.statement import Problem, state
 __all__ = ["FormulaSubject", "RateSubject", "admitted_values"]
 
 _QUESTION_STEPS = 8_000_000
-_OF_THE_FLOW = ("normality", "dissipation")  # the claims that speak of it
 _REMEDY = "fix other values"
 _MOST_POINTS = 64
 _GREATEST = 10**308
@@ -104,15 +103,9 @@ class FormulaSubject(Subject):
         _ = self.doubtful, self.doubtful_flow, self.at_origin
 
     def may_prove(self, claim: str) -> bool:
-        """Whether a proof counts; one of a formula that may be undefined somewhere would be of another law."""
-        if (
-            self.of is not self.law
-            or not self.law.around_zero
-            or (claim == "dissipation" and (self.law.rates or self.law.energy is not None))
-        ):
-            return False  # the kernel alone knows the energy and the rates as they are written, and ranges without zero force
-        told = claim == "state_laws" or not (self.doubtful or (claim in _OF_THE_FLOW and self.doubtful_flow))
-        return told and self.constraints_defined
+        """Of closed forms alone; one of a formula that may be undefined somewhere would be of another law."""
+        plain = self.of is self.law and self.law.around_zero  # else the kernel alone knows what is written
+        return claim == "duality" and plain and not self.doubtful and self.constraints_defined
 
     @property
     def onto(self) -> bool:

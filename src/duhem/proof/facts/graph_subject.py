@@ -49,10 +49,6 @@ class GraphSubject(Subject):
     def check_defined(self) -> None:
         """Where g has no value the kernel proves nothing, and a place without one refutes nothing."""
 
-    def may_prove(self, claim: str) -> bool:
-        """The kernel alone proves."""
-        return False
-
     @property
     def stated(self) -> sp.Basic:
         """g as it is written."""

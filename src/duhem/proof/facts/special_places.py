@@ -56,11 +56,6 @@ class SingularPlace(NamedTuple):
     forces: Place
     inside: bool
 
-    @property
-    def zero_force(self) -> bool:
-        """Whether it is that point."""
-        return all(value == 0 for value in self.forces.values())
-
 
 def singular_places(subject: FormulaSubject) -> tuple[SingularPlace, ...]:
     """Those that are found, and are not certainly outside K: the slopes of g along a line are not the same on either side.

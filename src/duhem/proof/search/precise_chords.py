@@ -1,9 +1,9 @@
 """Chords built in high precision at one place of the boundary: they show violations far below double precision.
 
-Dents: at a boundary point whose curvature has the wrong sign, a short chord along the tangent.  Kinks: where the boundary
-crosses a seam and its two tangents point inward, a chord from one side to the other, however slight the kink.  Edges: where g rises
-beside one a little less than in proportion, a chord from the edge to a place beside it; so do sums of powers of loads of which one is
-a little below 1: the dent is as close to the edge as the power to 1, and shallower.
+Dents: at a boundary point whose curvature has the wrong sign, a short chord along the tangent.  Kinks: the same where the boundary
+crosses a seam, however slight the kink.  Edges: where g rises beside one a little less than in proportion, a chord from the edge to a
+place beside it; so do sums of powers of loads of which one is a little below 1: the dent is as close to the edge as the power to 1, and
+shallower.
 """
 
 from __future__ import annotations
@@ -14,14 +14,11 @@ from functools import partial
 from math import floor
 from typing import Any
 
-import sympy as sp
-
 from duhem.expression import mpmath_
-from duhem.expression.branches import Seam
 from duhem.expression.mpmath_ import reach
 from duhem.expression.number import fraction
 from duhem.proof.facts.formula_subject import FormulaSubject
-from duhem.proof.facts.subject import Point, Values, rationals
+from duhem.proof.facts.subject import Point, Values
 from duhem.proof.search.boundary_points import Chord
 from duhem.proof.search.corners import crossings
 from duhem.proof.search.edges import edges
@@ -58,13 +55,17 @@ def dent_chords(subject: FormulaSubject, parameters: Values, direction: Sequence
     In more than two forces along the tangent in which the second differences of about that length are least.
     """
     value = _Level(subject, parameters)
+    ray = _unit([mpmath_.number(value.context, fraction(c)) for c in direction], value.context)
+    if (x := value.end(ray)) is not None:
+        yield from ((parameters, p, q) for p, q in _short(value, x))
+
+
+def _short(value: _Level, x: Sequence[Any]) -> Iterator[tuple[Point, Point]]:
+    """The ends of those about a boundary point x; where it is a kink, differences give the mean of the gradients on its two sides."""
     context = value.context
-    ray = _unit([mpmath_.number(context, fraction(c)) for c in direction], context)
-    if (x := value.end(ray)) is None:
-        return
-    end = context.norm(x)
+    end = context.norm(x) or context.one
     step = end * context.mpf(10) ** (-_DIGITS // 3)
-    units = [[context.mpf(i == k) for i in range(len(ray))] for k in range(len(ray))]
+    units = [[context.mpf(i == k) for i in range(len(x))] for k in range(len(x))]
     slope = [(value(_moved(x, (step, unit))) - value(_moved(x, (-step, unit)))) / (2 * step) for unit in units]
     length = context.norm(slope)
     if not 0 < length < context.inf:
@@ -84,7 +85,7 @@ def dent_chords(subject: FormulaSubject, parameters: Values, direction: Sequence
         if tangent is not None and (rise := -bend(t, tangent) / (2 * length)) > 0:
             ends = [_moved(x, (s * t, tangent), (rise / 2, normal)) for s in (1, -1)]
             if max(map(value, ends)) <= 0:
-                yield parameters, _rounded(ends[0], rise / 1000), _rounded(ends[1], rise / 1000)
+                yield _rounded(ends[0], rise / 1000), _rounded(ends[1], rise / 1000)
 
 
 def _moved(x: Sequence[Any], *steps: tuple[Any, Sequence[Any]]) -> list[Any]:
@@ -108,42 +109,11 @@ def _least(context: Any, frame: Sequence[Sequence[Any]], bend: Callable[[Sequenc
 
 
 def kink_chords(subject: FormulaSubject, most: int = 12) -> Iterator[Chord]:
-    """Chords across seams where the tangents of the two branches of the boundary point out of K (two forces)."""
+    """Chords across seams where the boundary seems to have a kink inward (two forces)."""
     for parameters in subject.choices(most):
-        for seam, point in crossings(subject, parameters, 80):
-            yield from _across(subject, parameters, seam, point)
-
-
-def _across(subject: FormulaSubject, parameters: Values, seam: Seam, point: Point, dps: int = 80) -> Iterator[Chord]:
-    """With unit tangents t1, t2 away from the crossing, K is dented there if t1 + t2 points along the outward normals."""
-    context = mpmath_.kept_digits(dps)
-    forces = subject.simple.forces
-    exact = rationals(parameters)
-    x = [context.mpf(c.numerator) / c.denominator for c in point]
-
-    def gradient(expr: sp.Expr) -> list[Any]:
-        return _unit([mpmath_.evaluate(expr.diff(v).subs(exact), dict(zip(forces, x, strict=True)), dps) for v in forces], context)
-
-    (switch,) = seam.crossed
-    side = seam.after.signs[switch]
-    along_seam, one, two = (gradient(e) for e in (switch, seam.before.expr, seam.after.expr))
-    tangents = []
-    for normal, sense in ((one, -side), (two, side)):
-        along = [-normal[1], normal[0]]
-        lean = sense * (along[0] * along_seam[0] + along[1] * along_seam[1])
-        if not lean:
-            return
-        tangents.append([c * context.sign(lean) for c in along])
-    out = _unit([a + b for a, b in zip(one, two, strict=True)], context)
-    rise = sum(c * (a + b) for c, a, b in zip(out, *tangents, strict=True)) / 2
-    if not rise > context.mpf(10) ** (-dps // 4):
-        return
-    for k in range(2, 40, 3):
-        step = rise * (max(abs(c) for c in x) or 1) * context.mpf(2) ** -k
-        pull = rise * step / 2
-        ends = [[c + step * t - pull * n for c, t, n in zip(x, tangent, out, strict=True)] for tangent in tangents]
-        p, q = (_rounded(end, pull / 1000) for end in ends)
-        yield parameters, p, q
+        value = _Level(subject, parameters)
+        for _, point in crossings(subject, parameters, 80):
+            yield from ((parameters, p, q) for p, q in _short(value, [mpmath_.number(value.context, c) for c in point]))
 
 
 def chords_beside_edges(subject: FormulaSubject, most: int = 2) -> Iterator[Chord]:

@@ -37,7 +37,7 @@ from duhem.proof.unsettled.limits import holds_a_place, keeps_k, named_around, s
 from duhem.proof.unsettled.ranges import Ranges, around_the_boundary, away_from_zero
 from duhem.proof.unsettled.term_text import Names, in_text, names_of
 from duhem.proof.unsettled.trials import Attempts, Rewriting, that_help
-from duhem.proof.verdict import CONTRADICTION, Evidence, Unsettled, Verdict
+from duhem.proof.verdict import Evidence, Unsettled, Verdict
 
 __all__ = ["STATEMENT", "THEORY", "OpenClaims"]
 
@@ -118,7 +118,7 @@ class OpenClaims:
     def unsettled(self, claim: str, subject: Subject, settled: Mapping[str, Evidence]) -> Unsettled | None:
         """Say what is open of a claim that is neither proved nor refuted; None for any other claim."""
         evidence, law = settled[claim], self._law
-        if evidence.verdict not in _OPEN or evidence.method == CONTRADICTION:
+        if evidence.verdict not in _OPEN:
             return None
         inequality = _inequality(claim, law)
         if isinstance(subject, GraphSubject):  # its detail names what is open
