@@ -213,10 +213,6 @@ _REMEDIES: dict[type, str] = {
     sp.Pow: "a root of a sum of squares is norm(x, y), and a power takes an affine argument or one of known sign",
     sp.Max: "its arguments must be convex",
     sp.Min: "its arguments must be concave",
-    **{
-        word.node: f"its argument must be {word.curvature if word.increasing else 'affine'}"
-        for word in ELEMENTARY.values()
-        if word.atom is not None
-    },
+    **{word.node: f"its argument must be {word.curvature if word.increasing else 'affine'}" for word in ELEMENTARY.values() if word.atom},
     EigMax: "its arguments must be affine",
 }

@@ -19,8 +19,7 @@ __all__ = ["PNorm", "recognised"]
 class PNorm(sp.Function):
     """``PNorm(p, x, ...)`` = (|x|^p + ...)^(1/p), p > 0; no word of the language, only a node of recognised formulas."""
 
-    def _eval_is_extended_nonnegative(self) -> bool:
-        return True
+    is_extended_nonnegative = True
 
     def _sympystr(self, printer: Any) -> str:
         p, *args = self.args

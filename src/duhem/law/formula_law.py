@@ -28,7 +28,7 @@ from duhem.expression.number import inert_exponent
 from duhem.expression.parse import check_formula, check_size, own_text, parse_expression, parse_graph, too_long, written_out
 from duhem.expression.syntax import PlacedText, respelled, spelled
 from duhem.expression.unevaluated import HASH, Verbatim
-from duhem.law.domain import POSITIVE, Domain, Domains, by_name, cover, range_fault
+from duhem.law.domain import POSITIVE, Domain, Domains, by_name, range_fault
 from duhem.law.frozen_mapping import FrozenMapping
 from duhem.law.given import Known, Swap, argument_names, called, given_formula, listed, moved, moved_relations, relations, text_of
 from duhem.law.registry import register
@@ -203,7 +203,7 @@ class DeclaredLaw(Verbatim, Shown):
     forces: tuple[str, ...]
     pressure: str | None
     parameters: Mapping[str, Domain]
-    _whole: Any
+    whole: Any  # the law of which this one is a part over narrower domains: what holds of it holds here; None where it is none
 
     def __repr__(self) -> str:
         said = [domain.stated(name) for name, domain in self.parameters.items()]
@@ -235,16 +235,11 @@ class DeclaredLaw(Verbatim, Shown):
         for name, value in values.items():
             object.__setattr__(self, name, value)
 
-    @property
-    def whole(self) -> Self | None:
-        """The law of which this one is a part over narrower domains: what holds of it holds here; None where it is none."""
-        return self._whole
-
     def _with_part(self, part: Self) -> Self:
         """The ``part``, which knows what it is a part of."""
-        whole, own = self._whole or self, part.parameters
-        narrower = own != whole.parameters and cover(whole.parameters, own)
-        part._set(_whole=whole if narrower else None)
+        whole, own = self.whole or self, part.parameters
+        narrower = own != whole.parameters and all(domain.covers(own[name]) for name, domain in whole.parameters.items())
+        part._set(whole=whole if narrower else None)
         return part
 
 
@@ -325,7 +320,7 @@ class Criterion(DeclaredLaw):
     written_forces_of_rates: Mapping[str, str] = field(default=FrozenMapping(), repr=False, compare=False)
     expect: Mapping[str, str] = field(default=FrozenMapping(), repr=False, compare=False)
     _symbols: Mapping[str, sp.Symbol] = field(init=False, repr=False, compare=False)
-    _whole: Criterion | None = field(init=False, default=None, repr=False, compare=False)
+    whole: Criterion | None = field(init=False, default=None, repr=False, compare=False)
 
     def __post_init__(self) -> None:
         self._set(stress=_stress(self.stress, self.name))
@@ -445,11 +440,10 @@ class Criterion(DeclaredLaw):
                 raise InputError(fault[0], where=self.name, remedy=fault[1])
 
     def _check_content(self) -> None:
-        flows = [flow for flow in (self.flow, *(s.flow for s in self.surfaces)) if flow is not None]
         if self.g is sp.nan:
             raise InputError("there is no g", where=self.name, remedy="give g, or surfaces")
-        for flow in flows:
-            if len(flow) != len(self.forces):
+        for flow in (self.flow, *(s.flow for s in self.surfaces)):
+            if flow is not None and len(flow) != len(self.forces):
                 what = f"the flow has {len(flow)} components for {len(self.forces)} forces"
                 raise InputError(what, where=self.name, remedy="give one expression per force")
         allowed = {self.symbols()[p] for p in self.parameters}
@@ -569,15 +563,12 @@ def criterion(
         arguments, named = argument_names(f), name or f.__name__.replace("_", "-")
         of = _stress(stress, named)
         axes = tuple(spelled(axis) for axis in listed(forces, "forces", named)) if of is None else of.components
-        for axis in (*axes, *([pressure] if pressure else [])):
-            if not isinstance(axis, str) or not axis.isidentifier():
-                raise InputError(f"{axis!r} is not a name", where=named, remedy="use letters, digits and underscores")
         load = spelled(pressure)
-        fixed_names = {*axes, load, *map(spelled, define or ())}
+        fixed_names = (*axes, load, *map(spelled, define or ()))
         declared = Domains(parameters)
         domains = {a: declared.get(a, POSITIVE) for a in arguments if a not in fixed_names}
         domains |= {n: d for n, d in declared.items() if define and n not in domains}  # for what is defined
-        any_g = symbol(axes[0]) if axes else sp.nan
+        any_g = symbol(f"{axes[0]}") if axes else sp.nan  # what is no name is refused below
         shell = Criterion(named, any_g, domains, axes, load, stress=of, define=define or {})  # which knows what all names stand for
         made = called(f, shell.symbols() | shell.defined())
         parts = tuple(made) if isinstance(made, list | tuple) else (made,)
