@@ -176,10 +176,6 @@ def _eigmax(_: sp.Basic, *entries: Atom) -> Atom:
     return cp.hstack([cp.lambda_max(cp.bmat(rows(*(a[i] for a in whole)))) for i in range(whole[0].shape[0])])
 
 
-def _where(node: sp.Basic, condition: Atom, a: Atom, b: Atom) -> Atom:
-    return a if _number(node, condition, "condition") else b
-
-
 def _no_atom(node: sp.Basic, *_: Atom) -> Atom:
     raise InputError(f"{formula(node)} has no DCP atom", remedy="write it with norm, abs, pos, neg, max or a power, or fix its argument")
 
@@ -203,7 +199,7 @@ TABLE: Table[Atom] = {
     EigMax: _eigmax,
     PNorm: _pnorm,
     **dict.fromkeys(NUMBERS_ONLY, _no_atom),
-    Where: _where,
+    Where: lambda node, condition, a, b: a if _number(node, condition, "condition") else b,
 }
 
 _REMEDY = "its arguments must be affine, or convex and non-negative such as pos(x)/m + neg(x)/n with positive m, n"

@@ -310,14 +310,10 @@ NODES: tuple[type, ...] = (
 KINKS: tuple[type, ...] = (sp.Abs, sp.Max, sp.Min, Pos, Neg, Where)
 
 
+@lru_cache(maxsize=4096)
 def symbol(name: str, **assumptions: bool) -> sp.Symbol:
     """A real symbol; all names of a criterion go through here so that equal names are equal symbols."""
-    return _symbol(name, tuple(assumptions.items()))
-
-
-@lru_cache(maxsize=4096)
-def _symbol(name: str, assumptions: tuple[tuple[str, bool], ...]) -> sp.Symbol:
-    return sp.Symbol(name, **({"real": True} | dict(assumptions)))
+    return sp.Symbol(name, **({"real": True} | assumptions))
 
 
 # What a root of -1, a logarithm of 0 or a quotient by 0 becomes in SymPy where values are put in: no real number.

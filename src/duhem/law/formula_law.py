@@ -38,7 +38,7 @@ from duhem.show.printing import Shown, latex
 
 __all__ = [
     "FORCES", "PRESSURE", "Criterion", "DeclaredLaw", "Definitions", "YieldSurface", "as_expression", "criterion", "declared_symbols",
-    "definitions", "flow_of", "name_fault", "swapped",
+    "definitions", "name_fault", "swapped",
 ]  # fmt: skip
 
 
@@ -82,7 +82,9 @@ class YieldSurface(Verbatim):
             raise InputError("the potential is no text", where=owner, remedy="write its formula as text")
         where = f"potential of {owner}"
         with faults_at(_name_at(self.potential, where), unless_placed=True):
-            slip = flow_of(parse_expression(self.potential, known, where=where, short=short), forces)
+            slip = gradient(parse_expression(self.potential, known, where=where, short=short), forces)
+            if not any(slip):
+                raise InputError("the potential does not depend on any force", remedy=f"use at least one of {', '.join(map(str, forces))}")
         if flow not in (None, slip):
             raise InputError("a flow and a potential are both given", where=owner, remedy="remove one of them")
         return YieldSurface(g, slip, written_out(self.potential, short), written, written_flow)
@@ -108,14 +110,6 @@ def swapped(old: Mapping[str, sp.Symbol], domains: Mapping[str, Domain]) -> tupl
     """What takes the place of symbols over other domains of parameters, and every declared name with its symbol there."""
     swap = {old[name]: new for name, domain in domains.items() if (new := domain.symbol(name)) != old[name]}
     return swap, tuple((name, swap.get(x, x)) for name, x in old.items())
-
-
-def flow_of(potential: sp.Expr, forces: Sequence[sp.Symbol]) -> tuple[sp.Expr, ...]:
-    """The flow that a potential gives; InputError, without a place, where it gives none."""
-    flow = gradient(potential, forces)
-    if not any(flow):
-        raise InputError("the potential does not depend on any force", remedy=f"use at least one of {', '.join(map(str, forces))}")
-    return flow
 
 
 def _name_at(given: Any, otherwise: str) -> str:
@@ -360,8 +354,7 @@ class Criterion(DeclaredLaw):
             if not isinstance(self.closed_form, Shape):
                 what = f"the closed form {self.closed_form!r} is no shape"
                 raise InputError(what, where=self.name, remedy="write Interval(...), Disk(...) or Quadrants(...)")
-            where = f"closed form of {self.name}"
-            self._set(closed_form=converted(self.closed_form, lambda x: as_expression(x, known, where, short)))
+            self._set(closed_form=converted(self.closed_form, lambda x: as_expression(x, known, f"closed form of {self.name}", short)))
         self._check_content()
         check_state(self)
         if self.viscous and (self.surfaces or self.flow is not None):
@@ -573,18 +566,9 @@ def criterion(
         made = called(f, shell.symbols() | shell.defined())
         parts = tuple(made) if isinstance(made, list | tuple) else (made,)
         surfaces = parts if any(isinstance(part, YieldSurface) for part in parts) else ()
-        law = replace(
-            shell,
-            g=sp.nan if surfaces else made,
-            constraints=constraints,  # type: ignore[arg-type]  # read on construction
-            flow=flow,  # type: ignore[arg-type]
-            summary=(inspect.getdoc(f) or "").split("\n", 1)[0],
-            source=source,
-            closed_form=closed_form,
-            potential=potential,
-            domain=Domains(domain),
-            surfaces=surfaces,
-        )
+        said: dict[str, Any] = {"summary": (inspect.getdoc(f) or "").split("\n", 1)[0], "source": source, "closed_form": closed_form}
+        said |= {"constraints": constraints, "flow": flow, "potential": potential, "domain": Domains(domain)}
+        law = replace(shell, g=sp.nan if surfaces else made, surfaces=surfaces, **said)
         register(law.name, law)
         return law
 
