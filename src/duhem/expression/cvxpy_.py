@@ -111,11 +111,6 @@ def _exact(atom: Callable[..., Atom]) -> dict[str, bool]:
     return {"approx": False} if "approx" in inspect.signature(atom).parameters else {}
 
 
-def _product(_: sp.Basic, *factors: Atom) -> Atom:
-    # constants first: (2/mu) x is a scaling, 2 (x/mu) a product of two expressions to the sign rules
-    return reduce(_cp().multiply, sorted(factors, key=lambda f: not f.is_constant()))
-
-
 def _number(node: sp.Basic, value: Atom, role: str) -> float:
     if not isinstance(value, _cp().Constant):
         raise InputError(f"the {role} of {formula(node)} is not a number", remedy="fix its value")
@@ -187,7 +182,8 @@ NUMBERS_ONLY: dict[type, str] = dict.fromkeys(
 
 TABLE: Table[Atom] = {
     sp.Add: lambda _, *x: reduce(operator.add, x),
-    sp.Mul: _product,
+    # constants first: (2/mu) x is a scaling, 2 (x/mu) a product of two expressions to the sign rules
+    sp.Mul: lambda _, *factors: reduce(_cp().multiply, sorted(factors, key=lambda f: not f.is_constant())),
     sp.Pow: _power,
     sp.Abs: lambda _, x: _cp().abs(x),
     **{word.node: lambda _, x, atom=word.atom: atom(_cp(), x) for word in ELEMENTARY.values() if word.atom},

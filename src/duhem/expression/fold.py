@@ -44,7 +44,7 @@ def fold(expr: sp.Basic, table: Table[T], leaf: Callable[[Any], T]) -> T:
             done[node] = leaf(node.value if isinstance(node, InertNumber) else node)
         elif isinstance(node, Shared):
             values = {x: fold(part, table, leaf) for x, part in zip(node.graph.names, node.parts, strict=True)}
-            done[node] = fold(node.graph.formula, table, lambda x, values=values: values[x] if x in values else leaf(x))
+            done[node] = fold(node.graph.formula, table, partial(_named, values, leaf))
         elif isinstance(node, sp.cot):  # which SymPy makes of tan(x + pi/2), and is no word of the language
             done[node] = fold(1 / sp.tan(node.args[0]), table, leaf)
         elif ready:
@@ -55,6 +55,11 @@ def fold(expr: sp.Basic, table: Table[T], leaf: Callable[[Any], T]) -> T:
             stack.append((node, True))
             stack.extend((a, False) for a in reversed(node.args))
     return done[expr]
+
+
+def _named(values: Mapping[Any, T], leaf: Callable[[Any], T], node: Any) -> T:
+    """What stands for a name of a graph, or the value of another leaf."""
+    return values[node] if node in values else leaf(node)
 
 
 Step = Callable[..., Any]

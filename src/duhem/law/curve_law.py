@@ -37,7 +37,8 @@ class ParametricCriterion(DeclaredLaw):
     direction that goes with the point at the same angle; None means associated (normality rule).  ``instead`` names a
     law to take where a formula is needed, ``derivation`` (``module:attribute``) what derives the curve.  ``written`` and
     ``written_constraints`` are the components, those of the boundary first, and the constraints as they were given, where that was text.
-    ``expect`` maps claims to the verdicts that are no failure (:class:`duhem.law.formula_law.Criterion`).
+    ``expect`` maps claims to the verdicts that are no failure, and ``whole`` is the law that this one is a part of, over wider domains
+    (:class:`duhem.law.formula_law.Criterion`).
     """
 
     name: str

@@ -197,7 +197,7 @@ class DeclaredLaw(Verbatim, Shown):
     forces: tuple[str, ...]
     pressure: str | None
     parameters: Mapping[str, Domain]
-    whole: Any  # the law of which this one is a part over narrower domains: what holds of it holds here; None where it is none
+    whole: Any  # what this law is a part of
 
     def __repr__(self) -> str:
         said = [domain.stated(name) for name, domain in self.parameters.items()]
@@ -280,6 +280,8 @@ class Criterion(DeclaredLaw):
 
     ``expect`` maps claims to the verdicts that the author knows of, such as ``{"smoothness": "refuted"}`` of a law with corners: the
     exit code of ``duhem verify`` counts them as no failure, and any other verdict on these claims as one.
+
+    ``whole`` is the law of which this one is a part over narrower domains: what holds of it holds here; None where it is none.
     """
 
     name: str
