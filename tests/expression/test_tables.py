@@ -189,7 +189,7 @@ def _by_solver(formula: sp.Expr, point: Mapping[sp.Symbol, float]) -> float:
 
     names = smt.Reals(point)
     solver = z3.Solver(ctx=names.context)
-    solver.add(*(names.relation(s - sp.Rational(v), "==") for s, v in point.items()))
+    solver.add(*(names.term(s - sp.Rational(v)) == 0 for s, v in point.items()))
     assert solver.check() == z3.sat
     value = solver.model().eval(names.term(formula), model_completion=True)
     return float(z3.is_true(value)) if z3.is_bool(value) else float(value.as_fraction())

@@ -76,7 +76,7 @@ class Stress:
 
     def written_out(self, word: str, index: int | None = None) -> str:
         """An invariant as a formula in the components; ``index`` from 1 is that of ``principal``, the greatest first."""
-        return Tensor(self.kind, self.components).written_out(word, index)
+        return INVARIANTS[word].text(Tensor(self.kind, self.components), *([] if index is None else [index]))
 
 
 class Tensor(NamedTuple):
@@ -85,16 +85,12 @@ class Tensor(NamedTuple):
     kind: str
     components: tuple[str, ...]
 
-    def written_out(self, word: str, index: int | None = None) -> str:
-        """An invariant, as :meth:`Stress.written_out`."""
-        return _principal(self, index) if index is not None else INVARIANTS[word].text(self)
-
 
 @dataclass(frozen=True)
 class Invariant:
-    """A word that takes a tensor; ``text`` gives its formula, ``indexed`` says that it takes a number as well."""
+    """A word that takes a tensor; ``text`` gives its formula, ``indexed`` says that it takes a number, one digit, as well."""
 
-    text: Callable[[Tensor], str]
+    text: Callable[..., str]
     meaning: str
     indexed: bool = False
 
@@ -161,7 +157,7 @@ INVARIANTS: Mapping[str, Invariant] = {
     "J3": Invariant(_third, "determinant of the deviator"),
     "cos3theta": Invariant(_cos3theta, "3*sqrt(3)/2*J3/J2**(3/2), 1 in triaxial tension, -1 in compression"),
     "lode": Invariant(lambda tensor: f"acos({_cos3theta(tensor)})/3", "Lode angle acos(cos3theta)/3 (rad), from 0 to pi/3"),
-    "principal": Invariant(_trace, "principal stress 1, 2 or 3, the greatest first", indexed=True),
+    "principal": Invariant(_principal, "principal stress 1, 2 or 3, the greatest first", indexed=True),
 }
 
 
@@ -303,7 +299,7 @@ class Abbreviations:
         if tensor is not None and (index.isdigit() or not indexed):
             if indexed and index not in ("1", "2", "3"):
                 raise InputError(f"there is no principal stress {index[:24]}", remedy="1 is the greatest, 3 the least")
-            return tensor.written_out(word, int(index) if index else None)
+            return INVARIANTS[word].text(tensor, *map(int, index))
         if self.stress is None:
             return None
         usage = f"{word}({stress}, 1)" if indexed else f"{word}({stress})"

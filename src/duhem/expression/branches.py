@@ -49,10 +49,9 @@ class Branch:
     expr: Any
     apart: frozenset[sp.Expr] = field(default=frozenset(), kw_only=True)
 
-    def conditions(self, strict: bool = False) -> tuple[sp.Basic, ...]:
-        """The region as relations; ``strict`` gives its interior."""
-        relation = sp.StrictGreaterThan if strict else sp.GreaterThan
-        return tuple(relation(sign * switch, 0) if sign else sp.Eq(switch, 0) for switch, sign in self.signs.items())
+    def conditions(self) -> tuple[sp.Basic, ...]:
+        """The region as relations."""
+        return tuple(sp.GreaterThan(sign * switch, 0) if sign else sp.Eq(switch, 0) for switch, sign in self.signs.items())
 
 
 def oriented(switch: sp.Expr) -> tuple[sp.Expr, int]:
@@ -217,14 +216,6 @@ class Seam:
     after: Branch
     crossed: tuple[sp.Expr, ...]
     kept: Mapping[sp.Expr, int]
-
-    def on(self) -> tuple[sp.Basic, ...]:
-        """That the switches crossed are 0."""
-        return tuple(sp.Eq(s, 0) for s in self.crossed)
-
-    def within(self) -> tuple[sp.Basic, ...]:
-        """That the others have the signs both branches give them."""
-        return tuple(sp.GreaterThan(sign * s, 0) for s, sign in self.kept.items())
 
 
 def seam(before: Branch, after: Branch) -> Seam | None:

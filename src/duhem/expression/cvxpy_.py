@@ -111,11 +111,6 @@ def _exact(atom: Callable[..., Atom]) -> dict[str, bool]:
     return {"approx": False} if "approx" in inspect.signature(atom).parameters else {}
 
 
-def _product(_: sp.Basic, *factors: Atom) -> Atom:
-    # constants first: (2/mu) x is a scaling, 2 (x/mu) a product of two expressions to the sign rules
-    return reduce(_cp().multiply, sorted(factors, key=lambda f: not f.is_constant()))
-
-
 def _number(node: sp.Basic, value: Atom, role: str) -> float:
     if not isinstance(value, _cp().Constant):
         raise InputError(f"the {role} of {formula(node)} is not a number", remedy="fix its value")
@@ -176,10 +171,6 @@ def _eigmax(_: sp.Basic, *entries: Atom) -> Atom:
     return cp.hstack([cp.lambda_max(cp.bmat(rows(*(a[i] for a in whole)))) for i in range(whole[0].shape[0])])
 
 
-def _where(node: sp.Basic, condition: Atom, a: Atom, b: Atom) -> Atom:
-    return a if _number(node, condition, "condition") else b
-
-
 def _no_atom(node: sp.Basic, *_: Atom) -> Atom:
     raise InputError(f"{formula(node)} has no DCP atom", remedy="write it with norm, abs, pos, neg, max or a power, or fix its argument")
 
@@ -191,7 +182,8 @@ NUMBERS_ONLY: dict[type, str] = dict.fromkeys(
 
 TABLE: Table[Atom] = {
     sp.Add: lambda _, *x: reduce(operator.add, x),
-    sp.Mul: _product,
+    # constants first: (2/mu) x is a scaling, 2 (x/mu) a product of two expressions to the sign rules
+    sp.Mul: lambda _, *factors: reduce(_cp().multiply, sorted(factors, key=lambda f: not f.is_constant())),
     sp.Pow: _power,
     sp.Abs: lambda _, x: _cp().abs(x),
     **{word.node: lambda _, x, atom=word.atom: atom(_cp(), x) for word in ELEMENTARY.values() if word.atom},
@@ -203,7 +195,7 @@ TABLE: Table[Atom] = {
     EigMax: _eigmax,
     PNorm: _pnorm,
     **dict.fromkeys(NUMBERS_ONLY, _no_atom),
-    Where: _where,
+    Where: lambda node, condition, a, b: a if _number(node, condition, "condition") else b,
 }
 
 _REMEDY = "its arguments must be affine, or convex and non-negative such as pos(x)/m + neg(x)/n with positive m, n"
@@ -213,10 +205,6 @@ _REMEDIES: dict[type, str] = {
     sp.Pow: "a root of a sum of squares is norm(x, y), and a power takes an affine argument or one of known sign",
     sp.Max: "its arguments must be convex",
     sp.Min: "its arguments must be concave",
-    **{
-        word.node: f"its argument must be {word.curvature if word.increasing else 'affine'}"
-        for word in ELEMENTARY.values()
-        if word.atom is not None
-    },
+    **{word.node: f"its argument must be {word.curvature if word.increasing else 'affine'}" for word in ELEMENTARY.values() if word.atom},
     EigMax: "its arguments must be affine",
 }

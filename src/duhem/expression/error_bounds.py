@@ -142,8 +142,7 @@ def _times(slope: Any, off: Any) -> Any:
 
 def _norm(_: Any, *args: Bounded) -> Bounded:
     value = length(*(a.value for a in args))
-    off = reduce(np.add, [a.bound for a in args])
-    return Bounded(value, off + (2 * len(args) * _UNIT) * value)
+    return Bounded(value, reduce(np.add, [a.bound for a in args]) + (2 * len(args) * _UNIT) * value)
 
 
 def _pnorm(_: Any, p: Bounded, *args: Bounded) -> Bounded:
@@ -166,10 +165,6 @@ def _atan2(_: Any, y: Bounded, x: Bounded) -> Bounded:
     share = (y.bound + x.bound) / np.hypot(y.value, x.value)
     cut = (x.value < 0.0) & (np.abs(y.value) <= y.bound) & (y.bound > 0.0)  # it jumps there
     return Bounded(value, np.where((share < 1.0) & ~cut, 1.6 * share, np.inf) + _WORD * np.abs(value))
-
-
-def _eigmax(_: Any, *entries: Bounded) -> Bounded:
-    return eigenvalue(numpy_.TABLE[EigMax](_, *(a.value for a in entries)), entries)
 
 
 def eigenvalue(value: Any, entries: Sequence[Bounded]) -> Bounded:
@@ -223,7 +218,7 @@ TABLE: Table[Bounded] = {
     sp.Mul: lambda _, *x: reduce(_product, x),
     sp.Pow: _power,
     sp.Abs: lambda _, x: Bounded(np.abs(x.value), x.bound),
-    EigMax: _eigmax,
+    EigMax: lambda _, *entries: eigenvalue(numpy_.TABLE[EigMax](_, *(a.value for a in entries)), entries),
     **{word.node: partial(_elementary, word) for word in ELEMENTARY.values()},
     Atan2: _atan2,
     sp.Min: partial(_extreme, np.minimum),

@@ -13,7 +13,6 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache, partial
-from hashlib import sha256
 from operator import itemgetter
 from typing import Any, TypeVar
 
@@ -49,7 +48,9 @@ def fold(expr: sp.Basic, table: Table[T], leaf: Callable[[Any], T]) -> T:
         elif isinstance(node, sp.cot):  # which SymPy makes of tan(x + pi/2), and is no word of the language
             done[node] = fold(1 / sp.tan(node.args[0]), table, leaf)
         elif ready:
-            done[node] = _row(node, table)(node, *(done[a] for a in node.args))
+            if (row := table.get(type(node))) is None:
+                raise InputError(f"no meaning is given to {type(node).__name__} in {node}", remedy="rewrite that part of the formula")
+            done[node] = row(node, *(done[a] for a in node.args))
         else:
             stack.append((node, True))
             stack.extend((a, False) for a in reversed(node.args))
@@ -59,13 +60,6 @@ def fold(expr: sp.Basic, table: Table[T], leaf: Callable[[Any], T]) -> T:
 def _named(values: Mapping[Any, T], leaf: Callable[[Any], T], node: Any) -> T:
     """What stands for a name of a graph, or the value of another leaf."""
     return values[node] if node in values else leaf(node)
-
-
-def _row(node: sp.Basic, table: Table[T]) -> Callable[..., T]:
-    row = table.get(type(node))
-    if row is None:
-        raise InputError(f"no meaning is given to {type(node).__name__} in {node}", remedy="rewrite that part of the formula")
-    return row
 
 
 Step = Callable[..., Any]
@@ -170,13 +164,8 @@ class Graph(sp.Atom):
     def __getnewargs__(self) -> tuple[Any, ...]:
         return self.nodes, self.last, self.names, self.read
 
-    def _hashable_content(self) -> tuple[str, ...]:
-        return (self.digest,)
-
-    @cached_property
-    def digest(self) -> str:
-        """The hash of all texts."""
-        return sha256(repr((self.nodes, self.last)).encode()).hexdigest()
+    def _hashable_content(self) -> tuple[Any, ...]:
+        return self.nodes, self.last
 
     @cached_property
     def formula(self) -> sp.Expr:
@@ -190,7 +179,7 @@ class Graph(sp.Atom):
 class Shared(sp.Expr):
     """The formula of a graph over symbols, which may be replaced by other expressions; real, and a variable of its own to SymPy."""
 
-    is_commutative = True
+    is_commutative = is_extended_real = True
 
     @property
     def graph(self) -> Graph:
@@ -202,9 +191,6 @@ class Shared(sp.Expr):
     def parts(self) -> tuple[sp.Basic, ...]:
         """What stands for the names, in the order in which the graph's formula has them."""
         return self.args[1:]
-
-    def _eval_is_extended_real(self) -> bool:
-        return True
 
     def _eval_derivative(self, _: sp.Symbol) -> sp.Expr:
         raise InputError("a formula kept as a graph has no derivative in symbols", remedy="write a shorter formula")

@@ -6,6 +6,7 @@ Along a direction nothing changes where none of the loads in g does, which are a
 from __future__ import annotations
 
 from collections.abc import Collection, Sequence
+from functools import partial
 from itertools import permutations
 from typing import Any
 
@@ -94,9 +95,5 @@ def _invariant(node: sp.Basic, stress: Sequence[sp.Symbol]) -> bool:
 
 def _covariant(matrix: sp.Matrix, stress: Sequence[sp.Symbol]) -> bool:
     """Whether the matrix turns with the stress."""
-    return all(
-        sp.expand(_rate(matrix[i, j], stress, turn) - (turn * matrix - matrix * turn)[i, j]) == 0
-        for turn in _TURNS
-        for i in range(3)
-        for j in range(i + 1)
-    )
+    turned = ((matrix.applyfunc(partial(_rate, stress=stress, turn=turn)), turn * matrix - matrix * turn) for turn in _TURNS)
+    return all((rates - moved).expand().is_zero_matrix for rates, moved in turned)

@@ -191,7 +191,7 @@ def _compiled(expr: sp.Expr, order: tuple[sp.Symbol, ...], strict: bool) -> JetP
     met, shifts = count(), count()
 
     def smooth(row: Callable[..., Jet]) -> Callable[[Any], Callable[..., Jet]]:
-        return lambda node: partial(_smooth, row, node)
+        return lambda node: lambda _, *arguments: row(node, *arguments)
 
     def numbered(row: Callable[..., Jet], numbers: Iterator[int]) -> Callable[[Any], Callable[..., Jet]]:
         return lambda node: partial(row, node, next(numbers))
@@ -201,10 +201,6 @@ def _compiled(expr: sp.Expr, order: tuple[sp.Symbol, ...], strict: bool) -> JetP
     table |= {kind: numbered(row, shifts) for kind, row in rows.items() if row in _SHIFTED}
     recording = recorded(recognised(expr), order, table, lambda node: partial(same, Jet(np.array(numpy_.constant(node)))))
     return JetProgram(next(met), next(shifts), strict, recording)
-
-
-def _smooth(row: Callable[..., Jet], node: Any, _: _Met, *arguments: Jet) -> Jet:
-    return row(node, *arguments)
 
 
 def _sum(a: Jet, b: Jet) -> Jet:
@@ -366,16 +362,13 @@ def _steepness(parts: Sequence[Jet]) -> Array:
 
 @dataclass(frozen=True)
 class _ShiftedNorm:
-    """|a| with its slopes (N, D), and those of its parts; ``round``: of exponent 2."""
+    """|a| with its slopes (N, D), those of its parts and how steep these are; ``round``: of exponent 2."""
 
     value: Array
     slopes: Array
     parts: Sequence[Jet]
+    steepness: Array
     round: bool
-
-    @property
-    def steepness(self) -> Array:
-        return _steepness(self.parts)
 
     def bends(self, by: _Slope, strict: bool) -> Array:
         """Of a norm that is not round only what is unknown at 0: its own second derivatives are followed."""
@@ -401,7 +394,7 @@ def _pnorm_at_zero(node: Any, index: int, noted: _Met, p: Jet, *args: Jet) -> Je
 def _shifted(index: int, noted: _Met, jet: Jet, parts: Sequence[Jet], round: bool) -> Jet:
     if jet.gradient is None or jet.order == 1:
         return jet
-    return noted.with_shift(jet, index, _ShiftedNorm(jet.value, jet.gradient, parts, round))
+    return noted.with_shift(jet, index, _ShiftedNorm(jet.value, jet.gradient, parts, _steepness(parts), round))
 
 
 @dataclass(frozen=True)

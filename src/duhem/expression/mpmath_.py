@@ -41,9 +41,8 @@ def evaluate(expr: sp.Basic, values: Mapping[sp.Symbol, Any], dps: int = 30) -> 
 def compiled(exprs: Sequence[sp.Basic], symbols: Iterable[sp.Symbol], context: Any) -> Callable[..., list[Any]]:
     """The formulas as one function of the symbols' values; walked once, run in the precision ``context`` has at each call."""
     rows = {sp.Tuple: lambda _, *parts: parts, **table(context)}
-    recording = recorded(
-        sp.Tuple(*exprs), symbols, bound(rows), lambda node: once_a_precision(lambda: context.prec, partial(constant, context, node))
-    )
+    own = partial(constant, context)
+    recording = recorded(sp.Tuple(*exprs), symbols, bound(rows), lambda node: once_a_precision(lambda: context.prec, partial(own, node)))
     return lambda *values: list(recording.value([number(context, v) for v in values]))
 
 

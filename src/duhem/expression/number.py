@@ -173,8 +173,7 @@ class InertNumber(sp.NumberSymbol):
 
     _latex = _sympystr
 
-    def __getnewargs__(self) -> tuple[sp.Rational]:
-        return (self.value,)
+    __getnewargs__ = _hashable_content
 
 
 _living: WeakValueDictionary[sp.Rational, InertNumber] = WeakValueDictionary()

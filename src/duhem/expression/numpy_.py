@@ -90,23 +90,19 @@ class Program:
 
 def constant(node: Any) -> float:
     """A number or a truth value of a formula, correctly rounded."""
-    if node.is_Rational:
-        return _quotient(node)
     if node in _CONSTANTS:
         return _CONSTANTS[node]
-    raise InputError(f"{node} has no value", remedy="give a value for each symbol of the formula")
+    if not node.is_Rational:
+        raise InputError(f"{node} has no value", remedy="give a value for each symbol of the formula")
+    try:
+        return int(node.p) / int(node.q)  # correctly rounded
+    except OverflowError:
+        power = round(0.30103 * (int(node.p).bit_length() - int(node.q).bit_length()))
+        what = f"a number of about 10**{power} is too large for double precision"
+        raise InputError(what, remedy="rescale the formula or its parameters") from None
 
 
 _CONSTANTS = {sp.pi: math.pi, sp.E: math.e, sp.true: 1.0, sp.false: 0.0, **dict.fromkeys(UNDEFINED, math.nan)}
-
-
-def _quotient(number: Any) -> float:
-    try:
-        return int(number.p) / int(number.q)  # correctly rounded
-    except OverflowError:
-        power = round(0.30103 * (int(number.p).bit_length() - int(number.q).bit_length()))
-        what = f"a number of about 10**{power} is too large for double precision"
-        raise InputError(what, remedy="rescale the formula or its parameters") from None
 
 
 def _power(node: Any, base: Any, exponent: Any) -> Any:

@@ -15,7 +15,7 @@ from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from keyword import iskeyword
-from typing import Any
+from typing import Any, Self
 
 import sympy as sp
 from sympy.core.relational import Relational
@@ -171,9 +171,7 @@ class _Reader:
     short: Abbreviations
 
     @classmethod
-    def over(
-        cls, given: str, known: Mapping[str, sp.Expr], where: str, build: Building = EVALUATED, short: Abbreviations = NONE
-    ) -> _Reader:
+    def over(cls, given: str, known: Mapping[str, sp.Expr], where: str, build: Building = EVALUATED, short: Abbreviations = NONE) -> Self:
         place = _Place(given if isinstance(given, PlacedText) else PlacedText(given, where))
         place.check_length()
         text = given.replace("\r", " ")  # line ends of other systems; offsets stay as they are
@@ -291,16 +289,14 @@ class _Reader:
         """Of a place that Python's parser names, which has read one bracket more at the beginning."""
         return len(self.text.encode()[: max(byte - 1, 0)].decode(errors="ignore"))
 
-    def end(self, node: ast.expr) -> int:
-        return self.offset(node.end_col_offset or 0)
-
-    def segment(self, node: ast.expr) -> str:
-        return self.text[self.start(node) : self.end(node)]
+    def segment(self, node: ast.expr, of: WrittenOut | None = None) -> str:
+        """What stands for the node in the text, or in what that was made ``of``."""
+        start, end = self.start(node), self.offset(node.end_col_offset or 0)
+        return of.segment(start, end) if of else self.text[start:end]
 
     def quote(self, node: ast.expr) -> str:
         """The node as it stands in the text that was given."""
-        made = self.place.made
-        segment = " ".join((made.segment(self.start(node), self.end(node)) if made else self.segment(node)).split())
+        segment = " ".join(self.segment(node, self.place.made).split())
         return repr(segment if len(segment) <= 40 else segment[:37] + "...")
 
     # -- values ------------------------------------------------------------------------------------------------
@@ -356,21 +352,17 @@ class _Reader:
                 raise InputError("this is not part of the language", remedy=_ARITHMETIC)
 
     def called(self, name: str, args: list[ast.expr], depth: int) -> sp.Expr:
-        self.check_count(name, len(args))
-        if name != "where":
-            found = self.build.call(name, [self.value(a, depth) for a in args])
-            return _bounded(found) if name == "sign" else found
-        return self.choice(args[0], self.value(args[1], depth), self.value(args[2], depth), depth)
-
-    @staticmethod
-    def check_count(name: str, given: int) -> None:
-        """InputError where a word does not take so many arguments."""
-        word = WORDS[name]
+        """A word of its arguments; InputError where it does not take so many."""
+        word, given = WORDS[name], len(args)
         if not word.least <= given <= (word.most or given):
             count = f"{word.least}" if word.most == word.least else f"at least {word.least}"
             raise InputError(f"{name} takes {count} argument{'s' * (count != '1')}, not {given}", remedy=f"{name}: {word.meaning}")
         if given > MOST_ARGUMENTS:
             raise InputError(f"{name} has {given} arguments", remedy=f"at most {MOST_ARGUMENTS} are read")
+        if name != "where":
+            found = self.build.call(name, [self.value(a, depth) for a in args])
+            return _bounded(found) if name == "sign" else found
+        return self.choice(args[0], self.value(args[1], depth), self.value(args[2], depth), depth)
 
     def choice(self, condition: ast.expr, a: sp.Expr, b: sp.Expr, depth: int) -> sp.Expr:
         """``where(condition, a, b)``; p and q chooses by q where p holds, p or q by q where p does not."""

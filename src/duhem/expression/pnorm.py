@@ -19,8 +19,7 @@ __all__ = ["PNorm", "recognised"]
 class PNorm(sp.Function):
     """``PNorm(p, x, ...)`` = (|x|^p + ...)^(1/p), p > 0; no word of the language, only a node of recognised formulas."""
 
-    def _eval_is_extended_nonnegative(self) -> bool:
-        return True
+    is_extended_nonnegative = True
 
     def _sympystr(self, printer: Any) -> str:
         p, *args = self.args
@@ -45,8 +44,7 @@ def _odd_power(product: sp.Mul) -> sp.Expr:
     for size in factors:
         for even in factors:
             if isinstance(size, sp.Abs) and even.is_Pow and even.base == size.args[0] and even.exp.is_even:
-                rest = (f for f in factors if f is not size and f is not even)
-                return sp.Mul(PNorm(1, even.base) ** (even.exp + 1), *rest)
+                return sp.Mul(PNorm(1, even.base) ** (even.exp + 1), *(f for f in factors if f is not size and f is not even))
     return product
 
 

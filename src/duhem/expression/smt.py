@@ -35,11 +35,6 @@ class Reals:
         """The formula as a term, a comparison as a proposition; InputError for what real arithmetic does not know."""
         return fold(expr, TABLE, self._leaf)
 
-    def relation(self, expr: sp.Expr, op: str) -> Any:
-        """The proposition ``expr op 0``, with op one of >=, >, <=, <, ==, !=."""
-        term = self.term(expr)
-        return {">=": term >= 0, ">": term > 0, "<=": term <= 0, "<": term < 0, "==": term == 0, "!=": term != 0}[op]
-
     def point(self, model: Any) -> dict[sp.Symbol, sp.Rational]:
         """A model's values as rationals; algebraic numbers are approximated to thirty digits."""
         import z3

@@ -57,6 +57,8 @@ class _Real(sp.Function):
 class Norm(_Real):
     r"""Euclidean norm :math:`\sqrt{x_1^2 + \dots + x_n^2}` of real arguments, n >= 1; not differentiable at 0."""
 
+    is_extended_nonnegative = True
+
     @classmethod
     def eval(cls, *args: sp.Expr) -> sp.Expr | None:
         kept = [a for a in args if a.is_zero is not True]
@@ -70,9 +72,6 @@ class Norm(_Real):
 
     def fdiff(self, argindex: int = 1) -> sp.Expr:
         return self.args[argindex - 1] / self
-
-    def _eval_is_extended_nonnegative(self) -> bool:
-        return True
 
     def _eval_evalf(self, prec: int) -> sp.Expr:
         return self._eval_rewrite_as_Pow(*self.args)._eval_evalf(prec)
@@ -88,6 +87,7 @@ class Norm(_Real):
 class _Ramp(_Real):
     """A ramp max(s x, 0) with s = +1 (``pos``) or -1 (``neg``)."""
 
+    is_extended_nonnegative = True
     slope: int
     mark: str
 
@@ -103,9 +103,6 @@ class _Ramp(_Real):
     def fdiff(self, argindex: int = 1) -> sp.Expr:
         x = self.args[0]
         return Where(x > 0, sp.S.One, sp.S.Zero) if self.slope > 0 else Where(x < 0, sp.S.NegativeOne, sp.S.Zero)
-
-    def _eval_is_extended_nonnegative(self) -> bool:
-        return True
 
     def _body(self, printer: Any) -> str:
         return rf"\left\langle {printer.doprint(self.args[0])} \right\rangle_{{{self.mark}}}"
@@ -313,14 +310,10 @@ NODES: tuple[type, ...] = (
 KINKS: tuple[type, ...] = (sp.Abs, sp.Max, sp.Min, Pos, Neg, Where)
 
 
+@lru_cache(maxsize=4096)
 def symbol(name: str, **assumptions: bool) -> sp.Symbol:
     """A real symbol; all names of a criterion go through here so that equal names are equal symbols."""
-    return _symbol(name, tuple(assumptions.items()))
-
-
-@lru_cache(maxsize=4096)
-def _symbol(name: str, assumptions: tuple[tuple[str, bool], ...]) -> sp.Symbol:
-    return sp.Symbol(name, **({"real": True} | dict(assumptions)))
+    return sp.Symbol(name, **({"real": True} | assumptions))
 
 
 # What a root of -1, a logarithm of 0 or a quotient by 0 becomes in SymPy where values are put in: no real number.

@@ -15,6 +15,7 @@ from difflib import get_close_matches
 from functools import cache, reduce
 from importlib import import_module
 from itertools import chain, takewhile
+from os.path import exists
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, overload
 
@@ -78,7 +79,7 @@ def load(law: str | Path | Law) -> Law:
         raise InputError(f"{type(law).__name__} is no law", remedy="give a name, the path of a criterion file, or a Criterion")
     if not law.endswith(".toml") and (known := _of_name(law)) is not None:
         return known
-    if law.endswith(".toml") or _exists(law):
+    if law.endswith(".toml") or exists(law):
         return _from_file(law)
     if ":" in law:
         return _attribute(law, law)
@@ -90,7 +91,7 @@ def file_read(law: str) -> Path | None:
     if not law.endswith(".toml") and _of_name(law) is not None:
         name = law.strip().replace("_", "-")
         return None if name in registered() else file_of(name)
-    return Path(law) if law.endswith(".toml") or _exists(law) else None
+    return Path(law) if law.endswith(".toml") or exists(law) else None
 
 
 def load_named(name: str) -> Law:
@@ -195,13 +196,6 @@ def _added() -> Mapping[str, EntryPoint]:
     from importlib.metadata import entry_points  # takes long, and most laws are found before
 
     return {point.name.replace("_", "-"): point for point in entry_points(group=_GROUP)}
-
-
-def _exists(path: str) -> bool:
-    try:
-        return Path(path).exists()
-    except (OSError, ValueError):
-        return False
 
 
 def _from_file(path: str | Path) -> Law:

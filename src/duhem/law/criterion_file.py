@@ -105,18 +105,19 @@ class SectionReader(PlacedToml):
 
 
 MOST_BYTES = 1_000_000
-_CRITERION = ("name", "summary", "source", "forces", "stress", "pressure", "g", "potential", "constraints", "expect")
 _MOST = {
     ("criterion", "forces"): 100, ("criterion", "constraints"): 200, ("parameters",): 200, ("define",): 500, ("surface",): 200,
 }  # fmt: skip
-_SECTIONS = (
-    "criterion", "define", "tables", "domain", "parameters", "variables", "energy", "flow", "surface", "boundary", "dissipation", "heat",
-    "atlas",
-)  # fmt: skip
+_SECTIONS: Mapping[str, Sequence[str]] = {  # with their keys; none where the file chooses them, or has a list of tables
+    "criterion": ("name", "summary", "source", "forces", "stress", "pressure", "g", "potential", "constraints", "expect"),
+    **dict.fromkeys(("define", "tables", "domain", "parameters", "variables"), ()),
+    "energy": ("psi",), "flow": ("direction",), "surface": (), "boundary": ("angle", "T", "direction"),
+    "dissipation": ("potential", "rates", "forces_of_rates"), "heat": ("bodies",),
+    "atlas": ("equation", "claims", "verdicts", "regions", "note"),  # what is said of the law: nothing of it is part of the law
+}  # fmt: skip
 _PARAMETER = ("positive", "min", "max", "value")
 _VARIABLE = ("force", "observable", "temperature")
 _ZERO = re.compile(r"\s*0+(\.0*)?\s*")  # the rate of a variable that surfaces leave alone
-_ATLAS = ("equation", "claims", "verdicts", "regions", "note")  # what is said of the law: nothing of it is part of the law
 
 
 def read(path: str | PathLike[str]) -> Law:
@@ -148,9 +149,10 @@ class _CriterionReader(SectionReader):
     folder: Path | None = None
 
     def law(self) -> Law:
-        self.keys("", self.document, _SECTIONS)
-        self.keys("atlas", self.table("atlas", required=False), _ATLAS)
-        self.keys("criterion", self.table("criterion"), _CRITERION)
+        self.keys("", self.document, [*_SECTIONS])
+        for section, allowed in _SECTIONS.items():
+            if allowed:
+                self.keys(section, self.table(section, required=section == "criterion"), allowed)
         self.check_sizes()
         self.line("criterion", "name")  # a file without a name is told so first
         stress = self.stress()
@@ -165,7 +167,6 @@ class _CriterionReader(SectionReader):
         domains = {name: own.domain for name, own in variables.items()} | dict.fromkeys(map(spelled, bodies), POSITIVE) | domains
         self.check_names(declared, Abbreviations(stress=stress).words())
         dissipation = self.table("dissipation", required=False)
-        self.keys("dissipation", dissipation, ("potential", "rates", "forces_of_rates"))
         if "dissipation" in self.document and not dissipation:
             remedy = "write potential, rates or forces_of_rates in it, or remove the section"
             raise self.error("[dissipation] says nothing", "dissipation", remedy=remedy)
@@ -202,7 +203,6 @@ class _CriterionReader(SectionReader):
 
     def curve(self, forces: Sequence[str], pressure: str | None, domains: Mapping[str, Domain], declared: Sequence[Declared]) -> Law:
         """A law given by its boundary, in an angle and the parameters."""
-        self.keys("boundary", self.table("boundary"), ("angle", "T", "direction"))
         angle = spelled(self.line("boundary", "angle", required=False) or ANGLE)
         self.check_names([*declared, (angle, "boundary", "angle")], frozenset())
         if pressure is None or len(forces) != 2:
@@ -270,7 +270,6 @@ class _CriterionReader(SectionReader):
 
     def bodies(self) -> Mapping[str, Any]:
         """The temperatures of bodies that exchange heat, each with its conductance."""
-        self.keys("heat", self.table("heat", required=False), ("bodies",))
         given = self.table("heat", required=False).get("bodies", {})
         if not isinstance(given, dict) or ("heat" in self.document and not given):
             raise self.error("[heat] has no table of bodies", "heat", "bodies", remedy='write bodies = { T1 = "h1", T2 = "h2" }')
@@ -278,7 +277,6 @@ class _CriterionReader(SectionReader):
 
     def state(self, variables: Variables, slots: Slots) -> dict[str, Any]:
         """The energy, and the rates of internal variables that have no force or need no multiplier."""
-        self.keys("energy", self.table("energy", required=False), ("psi",))
         given = self.table("dissipation", required=False)
         functions = {"rates": "alpha", "forces_of_rates": "sigma"}
         for key, name in functions.items():
@@ -407,10 +405,8 @@ class _CriterionReader(SectionReader):
         if "potential" in self.table("dissipation", required=False):
             return YieldSurface(self.formula("dissipation", "potential"))
         flow = ("flow", "direction") if "flow" in self.document else ()
-        if flow:
-            self.keys("flow", self.table("flow"), ("direction",))
-            if "direction" not in self.table("flow"):
-                raise self.error("[flow] has no direction", "flow", remedy=f"write direction = {toml(forces)}")
+        if flow and "direction" not in self.table("flow"):
+            raise self.error("[flow] has no direction", "flow", remedy=f"write direction = {toml(forces)}")
         return self.surface(("criterion",), flow, "[flow]", forces, slots)
 
     def surfaces(self, forces: Sequence[str], slots: Slots) -> tuple[YieldSurface, ...]:

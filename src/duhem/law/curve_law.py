@@ -37,7 +37,8 @@ class ParametricCriterion(DeclaredLaw):
     direction that goes with the point at the same angle; None means associated (normality rule).  ``instead`` names a
     law to take where a formula is needed, ``derivation`` (``module:attribute``) what derives the curve.  ``written`` and
     ``written_constraints`` are the components, those of the boundary first, and the constraints as they were given, where that was text.
-    ``expect`` maps claims to the verdicts that are no failure (:class:`duhem.law.formula_law.Criterion`).
+    ``expect`` maps claims to the verdicts that are no failure, and ``whole`` is the law that this one is a part of, over wider domains
+    (:class:`duhem.law.formula_law.Criterion`).
     """
 
     name: str
@@ -55,7 +56,7 @@ class ParametricCriterion(DeclaredLaw):
     written: tuple[str, ...] = field(default=(), repr=False, compare=False)
     written_constraints: tuple[str, ...] = field(default=(), repr=False, compare=False)
     expect: Mapping[str, str] = field(default=FrozenMapping(), repr=False, compare=False)
-    _whole: ParametricCriterion | None = field(init=False, default=None, repr=False, compare=False)
+    whole: ParametricCriterion | None = field(init=False, default=None, repr=False, compare=False)
 
     def __post_init__(self) -> None:
         self._set(forces=tuple(map(spelled, self.forces)), pressure=spelled(self.pressure), angle=spelled(self.angle))
@@ -65,8 +66,8 @@ class ParametricCriterion(DeclaredLaw):
             what = "a boundary curve takes two forces and different names throughout"
             raise InputError(what, where=self.name, remedy="correct its names")
         known = self.symbols()
-        boundary = tuple(listed(self.boundary, "boundary", self.name))
-        flow = () if self.flow is None else tuple(listed(self.flow, "flow", self.name))
+        boundary = listed(self.boundary, "boundary", self.name)
+        flow = () if self.flow is None else listed(self.flow, "flow", self.name)
         self._set(boundary=tuple(self._in_angle(x, known, "boundary") for x in boundary))
         constraints, texts = relations(self.constraints, self.written_constraints, known, self.name)
         self._set(constraints=constraints, written_constraints=texts)
@@ -76,9 +77,6 @@ class ParametricCriterion(DeclaredLaw):
             raise InputError("boundary and flow have two components each", where=self.name, remedy="give one expression per force")
         parts = zip((*boundary, *flow), self.components(), chain(self.written, repeat("")), strict=False)
         self._set(written=tuple(text_of(given, expr, text, known, NONE) for given, expr, text in parts))
-
-    def __hash__(self) -> int:
-        return hash((self.name, self.boundary, self.forces, self.pressure, self.parameters, self.constraints, self.flow))
 
     def _in_angle(self, given: Any, known: Mapping[str, sp.Symbol], what: str) -> sp.Expr:
         expr = as_expression(given, known, f"{what} of {self.name}", NONE)

@@ -16,7 +16,7 @@ from duhem.expression.number import exact_number, nearest_double
 from duhem.expression.syntax import respelled
 from duhem.law.frozen_mapping import FrozenMapping
 
-__all__ = ["POSITIVE", "REAL", "Domain", "Domains", "by_name", "cover", "range_fault"]
+__all__ = ["POSITIVE", "REAL", "Domain", "Domains", "by_name", "range_fault"]
 
 
 @dataclass(frozen=True)
@@ -163,8 +163,3 @@ class Domains(FrozenMapping[str, Domain]):
                 raise InputError(what, where=law, remedy="choose a value inside")
             narrow[name] = Domain.fixed(number)
         return Domains(narrow)
-
-
-def cover(domains: Mapping[str, Domain], others: Mapping[str, Domain]) -> bool:
-    """Whether each of the other domains, of the same names, is a part of the one of its name."""
-    return all(domain.covers(others[name]) for name, domain in domains.items())

@@ -28,7 +28,7 @@ from duhem.expression.number import inert_exponent
 from duhem.expression.parse import check_formula, check_size, own_text, parse_expression, parse_graph, too_long, written_out
 from duhem.expression.syntax import PlacedText, respelled, spelled
 from duhem.expression.unevaluated import HASH, Verbatim
-from duhem.law.domain import POSITIVE, Domain, Domains, by_name, cover, range_fault
+from duhem.law.domain import POSITIVE, Domain, Domains, by_name, range_fault
 from duhem.law.frozen_mapping import FrozenMapping
 from duhem.law.given import Known, Swap, argument_names, called, given_formula, listed, moved, moved_relations, relations, text_of
 from duhem.law.registry import register
@@ -38,7 +38,7 @@ from duhem.show.printing import Shown, latex
 
 __all__ = [
     "FORCES", "PRESSURE", "Criterion", "DeclaredLaw", "Definitions", "YieldSurface", "as_expression", "criterion", "declared_symbols",
-    "definitions", "flow_of", "name_fault", "swapped",
+    "definitions", "name_fault", "swapped",
 ]  # fmt: skip
 
 
@@ -82,7 +82,9 @@ class YieldSurface(Verbatim):
             raise InputError("the potential is no text", where=owner, remedy="write its formula as text")
         where = f"potential of {owner}"
         with faults_at(_name_at(self.potential, where), unless_placed=True):
-            slip = flow_of(parse_expression(self.potential, known, where=where, short=short), forces)
+            slip = gradient(parse_expression(self.potential, known, where=where, short=short), forces)
+            if not any(slip):
+                raise InputError("the potential does not depend on any force", remedy=f"use at least one of {', '.join(map(str, forces))}")
         if flow not in (None, slip):
             raise InputError("a flow and a potential are both given", where=owner, remedy="remove one of them")
         return YieldSurface(g, slip, written_out(self.potential, short), written, written_flow)
@@ -108,14 +110,6 @@ def swapped(old: Mapping[str, sp.Symbol], domains: Mapping[str, Domain]) -> tupl
     """What takes the place of symbols over other domains of parameters, and every declared name with its symbol there."""
     swap = {old[name]: new for name, domain in domains.items() if (new := domain.symbol(name)) != old[name]}
     return swap, tuple((name, swap.get(x, x)) for name, x in old.items())
-
-
-def flow_of(potential: sp.Expr, forces: Sequence[sp.Symbol]) -> tuple[sp.Expr, ...]:
-    """The flow that a potential gives; InputError, without a place, where it gives none."""
-    flow = gradient(potential, forces)
-    if not any(flow):
-        raise InputError("the potential does not depend on any force", remedy=f"use at least one of {', '.join(map(str, forces))}")
-    return flow
 
 
 def _name_at(given: Any, otherwise: str) -> str:
@@ -203,7 +197,7 @@ class DeclaredLaw(Verbatim, Shown):
     forces: tuple[str, ...]
     pressure: str | None
     parameters: Mapping[str, Domain]
-    _whole: Any
+    whole: Any  # what this law is a part of
 
     def __repr__(self) -> str:
         said = [domain.stated(name) for name, domain in self.parameters.items()]
@@ -235,16 +229,11 @@ class DeclaredLaw(Verbatim, Shown):
         for name, value in values.items():
             object.__setattr__(self, name, value)
 
-    @property
-    def whole(self) -> Self | None:
-        """The law of which this one is a part over narrower domains: what holds of it holds here; None where it is none."""
-        return self._whole
-
     def _with_part(self, part: Self) -> Self:
         """The ``part``, which knows what it is a part of."""
-        whole, own = self._whole or self, part.parameters
-        narrower = own != whole.parameters and cover(whole.parameters, own)
-        part._set(_whole=whole if narrower else None)
+        whole, own = self.whole or self, part.parameters
+        narrower = own != whole.parameters and all(domain.covers(own[name]) for name, domain in whole.parameters.items())
+        part._set(whole=whole if narrower else None)
         return part
 
 
@@ -291,6 +280,8 @@ class Criterion(DeclaredLaw):
 
     ``expect`` maps claims to the verdicts that the author knows of, such as ``{"smoothness": "refuted"}`` of a law with corners: the
     exit code of ``duhem verify`` counts them as no failure, and any other verdict on these claims as one.
+
+    ``whole`` is the law of which this one is a part over narrower domains: what holds of it holds here; None where it is none.
     """
 
     name: str
@@ -325,7 +316,7 @@ class Criterion(DeclaredLaw):
     written_forces_of_rates: Mapping[str, str] = field(default=FrozenMapping(), repr=False, compare=False)
     expect: Mapping[str, str] = field(default=FrozenMapping(), repr=False, compare=False)
     _symbols: Mapping[str, sp.Symbol] = field(init=False, repr=False, compare=False)
-    _whole: Criterion | None = field(init=False, default=None, repr=False, compare=False)
+    whole: Criterion | None = field(init=False, default=None, repr=False, compare=False)
 
     def __post_init__(self) -> None:
         self._set(stress=_stress(self.stress, self.name))
@@ -365,8 +356,7 @@ class Criterion(DeclaredLaw):
             if not isinstance(self.closed_form, Shape):
                 what = f"the closed form {self.closed_form!r} is no shape"
                 raise InputError(what, where=self.name, remedy="write Interval(...), Disk(...) or Quadrants(...)")
-            where = f"closed form of {self.name}"
-            self._set(closed_form=converted(self.closed_form, lambda x: as_expression(x, known, where, short)))
+            self._set(closed_form=converted(self.closed_form, lambda x: as_expression(x, known, f"closed form of {self.name}", short)))
         self._check_content()
         check_state(self)
         if self.viscous and (self.surfaces or self.flow is not None):
@@ -445,11 +435,10 @@ class Criterion(DeclaredLaw):
                 raise InputError(fault[0], where=self.name, remedy=fault[1])
 
     def _check_content(self) -> None:
-        flows = [flow for flow in (self.flow, *(s.flow for s in self.surfaces)) if flow is not None]
         if self.g is sp.nan:
             raise InputError("there is no g", where=self.name, remedy="give g, or surfaces")
-        for flow in flows:
-            if len(flow) != len(self.forces):
+        for flow in (self.flow, *(s.flow for s in self.surfaces)):
+            if flow is not None and len(flow) != len(self.forces):
                 what = f"the flow has {len(flow)} components for {len(self.forces)} forces"
                 raise InputError(what, where=self.name, remedy="give one expression per force")
         allowed = {self.symbols()[p] for p in self.parameters}
@@ -569,31 +558,19 @@ def criterion(
         arguments, named = argument_names(f), name or f.__name__.replace("_", "-")
         of = _stress(stress, named)
         axes = tuple(spelled(axis) for axis in listed(forces, "forces", named)) if of is None else of.components
-        for axis in (*axes, *([pressure] if pressure else [])):
-            if not isinstance(axis, str) or not axis.isidentifier():
-                raise InputError(f"{axis!r} is not a name", where=named, remedy="use letters, digits and underscores")
         load = spelled(pressure)
-        fixed_names = {*axes, load, *map(spelled, define or ())}
+        fixed_names = (*axes, load, *map(spelled, define or ()))
         declared = Domains(parameters)
         domains = {a: declared.get(a, POSITIVE) for a in arguments if a not in fixed_names}
         domains |= {n: d for n, d in declared.items() if define and n not in domains}  # for what is defined
-        any_g = symbol(axes[0]) if axes else sp.nan
+        any_g = symbol(f"{axes[0]}") if axes else sp.nan  # what is no name is refused below
         shell = Criterion(named, any_g, domains, axes, load, stress=of, define=define or {})  # which knows what all names stand for
         made = called(f, shell.symbols() | shell.defined())
         parts = tuple(made) if isinstance(made, list | tuple) else (made,)
         surfaces = parts if any(isinstance(part, YieldSurface) for part in parts) else ()
-        law = replace(
-            shell,
-            g=sp.nan if surfaces else made,
-            constraints=constraints,  # type: ignore[arg-type]  # read on construction
-            flow=flow,  # type: ignore[arg-type]
-            summary=(inspect.getdoc(f) or "").split("\n", 1)[0],
-            source=source,
-            closed_form=closed_form,
-            potential=potential,
-            domain=Domains(domain),
-            surfaces=surfaces,
-        )
+        said: dict[str, Any] = {"summary": (inspect.getdoc(f) or "").split("\n", 1)[0], "source": source, "closed_form": closed_form}
+        said |= {"constraints": constraints, "flow": flow, "potential": potential, "domain": Domains(domain)}
+        law = replace(shell, g=sp.nan if surfaces else made, surfaces=surfaces, **said)
         register(law.name, law)
         return law
 

@@ -151,9 +151,8 @@ def _bounds(law: Law) -> dict[str, Any]:
     """What only a curve or only a formula states."""
     if isinstance(law, ParametricCriterion):
         return {"boundary": [formula(x) for x in law.boundary], "angle": law.angle}
-    domain = {name: own.plain() for name, own in law.domain.items()}
     surfaces = [{"g": formula(s.g), "flow": None if s.flow is None else [formula(x) for x in s.flow]} for s in law.surfaces]
-    return {"g": formula(law.g), "surfaces": surfaces, "domain": domain}
+    return {"g": formula(law.g), "surfaces": surfaces, "domain": {name: own.plain() for name, own in law.domain.items()}}
 
 
 # -- units of the parameters -------------------------------------------------------------------------------------------

@@ -227,7 +227,8 @@ class _Reader:
             case "Concat", [_Vector(rank=rank), *_] if rank and given["axis"] in (-1, rank - 1):
                 ends = [self.named(x) for x in parts if isinstance(x, _Vector) and x.rank == rank]
                 if len(ends) == len(parts) and sum(x.width for x in ends) <= _MOST_PARTS:
-                    return self.listed([x.part(str(i)) for x in ends for i in range(1, x.width + 1)], rank)
+                    texts = [x.part(str(i)) for x in ends for i in range(1, x.width + 1)]
+                    return self.defined(texts, len(texts), rank)
             case "Gather", [_Vector() as x, np.ndarray(ndim=0 | 1) as at] if x.rank and given.get("axis", 0) in (-1, x.rank - 1):
                 return self.some(x, np.arange(x.width)[at])
             case "Slice", [_Vector() as x, *ends] if x.rank and 2 < len(ends) < 5:
@@ -293,10 +294,7 @@ class _Reader:
     def some(self, x: _Vector, at: Array) -> _Vector | None:
         """Parts of a vector; a single number where ``at`` is one."""
         texts = [self.named(x).part(str(i + 1)) for i in at.reshape(-1)]
-        return None if not texts else self.listed(texts, x.rank) if at.ndim else _Vector(texts[0], 1, 0)
-
-    def listed(self, texts: Sequence[str], rank: int) -> _Vector:
-        return self.defined(texts, len(texts), rank)
+        return None if not texts else self.defined(texts, len(texts), x.rank) if at.ndim else _Vector(texts[0], 1, 0)
 
     def named(self, x: _Vector) -> _Vector:
         """The vector as one of which parts can be taken by an index."""

@@ -27,7 +27,9 @@ def check_domain(law: Law, *, where: str = "") -> None:
     """
     if not law.constraints or any(all(holds_at(c, point) for c in law.constraints) for point in simple_points(law)):
         return
-    if not law.free() or solution(_parameters(law), [*_ranges(law), *law.constraints]) is False:
+    symbols = _parameters(law)
+    ranges = (relation for s in symbols for relation in law.parameters[s.name].relations(s))
+    if not law.free() or solution(symbols, [*ranges, *law.constraints]) is False:
         listed = ", ".join([*(str(c) for c in law.constraints), *_bounds(law)])
         raise InputError(f"no parameter values satisfy {listed} together", where=where or law.name, remedy="relax one of them")
 
@@ -40,19 +42,13 @@ def check_fixed(law: Law, remedy: str = "") -> None:
 
 
 def _parameters(law: Law) -> tuple[sp.Symbol, ...]:
-    table = law.symbols()
-    return tuple(table[name] for name in law.parameters)
+    return tuple(domain.symbol(name) for name, domain in law.parameters.items())
 
 
 def _bounds(law: Law) -> Iterator[str]:
     """The domains of the parameters that the constraints mention, in words."""
     used = set[sp.Symbol]().union(*(c.free_symbols for c in law.constraints))
     return (law.parameters[s.name].stated(s.name) for s in _parameters(law) if s in used and law.parameters[s.name] != Domain())
-
-
-def _ranges(law: Law) -> Iterator[sp.Basic]:
-    """The domains of the parameters as relations."""
-    return (relation for s in _parameters(law) for relation in law.parameters[s.name].relations(s))
 
 
 def simple_points(law: Law) -> Iterator[dict[sp.Symbol, sp.Rational]]:
@@ -70,12 +66,6 @@ def _inside(domain: Domain, share: sp.Rational) -> sp.Rational:
     return low + share * (1 if high is None else high - low)
 
 
-def _divisors(constraint: sp.Basic) -> Iterator[sp.Expr]:
-    """What a constraint divides by, whichever way a ``where`` goes."""
-    if not constraint.has(Where):
-        yield from (power.base for power in constraint.atoms(sp.Pow) if power.exp.is_negative)
-
-
 def solution(symbols: Sequence[sp.Symbol], relations: Iterable[sp.Basic]) -> Mapping[sp.Symbol, sp.Rational] | Literal[False] | None:
     """Values at which all relations hold; False where there are none, None where that stays open."""
     import z3
@@ -89,8 +79,9 @@ def solution(symbols: Sequence[sp.Symbol], relations: Iterable[sp.Basic]) -> Map
             if any(abs(power.exp) > _MOST_EXPONENT for power in relation.atoms(sp.Pow) if power.exp.is_Integer):
                 raise InputError("an exponent is too large")
             solver.add(reals.term(relation))
-            for divisor in _divisors(relation):  # z3 gives x/0 some value; here a relation without a value does not hold
-                solver.add(reals.relation(divisor, "!="))
+            divisors = () if relation.has(Where) else (power.base for power in relation.atoms(sp.Pow) if power.exp.is_negative)
+            for divisor in divisors:  # z3 gives x/0 some value; here a relation without a value does not hold
+                solver.add(reals.term(divisor) != 0)
         except InputError:
             whole = False  # leaving a relation out never makes the rest contradictory
     try:

@@ -10,7 +10,7 @@ from duhem.errors import InputError
 from duhem.expression import Neg, Pos
 from duhem.expression.smt import Reals
 from duhem.proof.decide.question import Budget
-from tests.oracles.prover.decide import counted
+from tests.oracles.prover.decide import counted, stated_in
 
 __all__ = ["Affine"]
 
@@ -32,7 +32,7 @@ class Affine:
             return None
         reals = Reals(self._variables)  # a context for each: z3 counts what was done in it before as well
         try:
-            stated = [reals.relation(expr, op) for expr, op in relations]
+            stated = [stated_in(reals, expr, op) for expr, op in relations]
         except InputError:
             return None
         if not (most := min(_STEPS, self._budget.left)):

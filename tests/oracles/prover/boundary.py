@@ -16,6 +16,7 @@ from duhem.expression.branches import Branch, seam, seams
 from duhem.proof.decide import Sense
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.verdict import Evidence, Verdict
+from tests.oracles.prover.where import interior, on, within
 
 __all__ = ["convexity", "hessian"]
 
@@ -38,7 +39,7 @@ def convexity(subject: FormulaSubject) -> Evidence | None:
         on_boundary = (sp.Eq(piece.expr, 0), *tangential)
         answer = subject.ask(bend, Sense.NONNEGATIVE, *on_boundary, *piece.conditions())
         if answer.holds is not True and _crossed(subject, piece):
-            answer = subject.ask(bend, Sense.NONNEGATIVE, *on_boundary, *piece.conditions(strict=True))
+            answer = subject.ask(bend, Sense.NONNEGATIVE, *on_boundary, *interior(piece))
         if answer.holds is not True:
             return None
         used.add(answer.method)
@@ -89,7 +90,7 @@ def _outward_kink(subject: FormulaSubject, before: Branch, after: Branch) -> boo
         return False
     x, y = subject.simple.forces
     (bx, by), (ax, ay) = ([sp.diff(b.expr, v) for v in (x, y)] for b in (before, after))
-    on_seam = [sp.Eq(before.expr, 0), *found.on(), *found.within()]
+    on_seam = [sp.Eq(before.expr, 0), *on(found), *within(found)]
     for s in found.crossed:
         sx, sy = (after.signs[s] * sp.diff(s, v) for v in (x, y))
         on_seam += [sp.GreaterThan(sy * ax - sx * ay, 0), sp.GreaterThan(sy * bx - sx * by, 0)]
@@ -107,12 +108,12 @@ def hessian(subject: FormulaSubject) -> Evidence | None:
     v = [sp.Dummy(f"v{i}", real=True) for i in range(len(forces))]
     for piece in pieces:
         bend = sum(v[i] * v[j] * sp.diff(piece.expr, a, b) for i, a in enumerate(forces) for j, b in enumerate(forces))
-        answer = subject.ask(bend, Sense.NONNEGATIVE, *piece.conditions(strict=True))
+        answer = subject.ask(bend, Sense.NONNEGATIVE, *interior(piece))
         if answer.holds is not True:
             return None
         used.add(answer.method)
     for between in seams(pieces):
-        where = (*between.within(), *between.on())
+        where = (*within(between), *on(between))
         rise = [sp.diff(between.after.expr - between.before.expr, x) for x in forces]
         for switch in between.crossed:
             if not _regular(subject, switch, where):

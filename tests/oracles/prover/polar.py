@@ -7,6 +7,7 @@ from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.verdict import Evidence, Proof, Verdict
 from tests.oracles.prover.curvature import curvature
 from tests.oracles.prover.polar_form import PolarForm, polar_form
+from tests.oracles.prover.where import interior
 
 __all__ = ["convexity", "dissipation", "origin", "smoothness"]
 
@@ -21,7 +22,7 @@ def convexity(subject: FormulaSubject) -> Evidence | None:
         if curvature(form.gauge(arc), subject).convex:
             used.add("composition")
             continue
-        answer = subject.ask(form.curvature(arc), Sense.NONNEGATIVE, *arc.conditions(strict=True), circle=(form.x, form.y))
+        answer = subject.ask(form.curvature(arc), Sense.NONNEGATIVE, *interior(arc), circle=(form.x, form.y))
         if answer.holds is not True:
             return None
         used.add(answer.method)

@@ -22,6 +22,7 @@ from duhem.proof.decide import Sense
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.facts.subject import fact
 from tests.oracles.prover.star import star_form
+from tests.oracles.prover.where import on, within
 
 __all__ = ["PolarForm", "polar_form"]
 
@@ -80,7 +81,7 @@ class PolarForm:
             found = seam(before, after)
             if found is not None and not _same(before, after):
                 forward = (sp.StrictGreaterThan(after.signs[s] * self.turn(s), 0) for s in found.crossed)
-                yield before, after, (*found.on(), *forward, *found.within())
+                yield before, after, (*on(found), *forward, *within(found))
 
     def transversal(self) -> bool:
         """Whether every switch changes sign where it vanishes, so that each seam is seen by :meth:`seams`."""

@@ -130,9 +130,8 @@ def as_dict(atlas: Atlas) -> dict[str, Any]:
 @sheet.register(AtlasEntry)
 def as_sheet_of_one(law: AtlasEntry) -> Sheet:
     """Where it stands, and claim by claim what verifying it gives beside what the literature says."""
-    rows = tuple(
-        (claim, law.verdicts.get(claim, "").replace("_", " "), law.claims.get(claim, "")) for claim in {**law.verdicts, **law.claims}
-    )
+    said = {**law.verdicts, **law.claims}
+    rows = tuple((claim, law.verdicts.get(claim, "").replace("_", " "), law.claims.get(claim, "")) for claim in said)
     fields = (("group", law.group), ("source", law.source), ("equation", law.equation))
     notes = ((title, texts) for title, texts in (("Regions", law.found), ("Note", (law.note,) if law.note else ())) if texts)
     return Sheet(f"{law.name}: {law.summary}", fields, ("claim", "verdict", "what the literature says"), rows, tuple(notes))
