@@ -16,6 +16,7 @@ from duhem import Criterion, Domain, Verdict, verify
 from duhem.law.domain import POSITIVE
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.methods import refuters
+from duhem.proof.search import corners
 from tests.long import long_at
 from tests.oracles.reevaluation import confirmed
 
@@ -184,3 +185,15 @@ def test_what_holds_is_not_refuted(one: Criterion) -> None:
 def test_a_number_of_thousands_of_digits_is_no_error() -> None:
     g = "norm(x, y) - 1 + exp(-10000*((x - 955336/10**6)**2 + (y - 29552/10**5)**2))/100"
     refuted(law(g), "convexity")
+
+
+def test_a_place_of_which_sympy_cannot_sort_the_digits_is_left_out(monkeypatch: pytest.MonkeyPatch) -> None:
+    """As of Leblond, Perrin and Suquet (1994), where a number in a plane is raised to 1981/100."""
+    subject = FormulaSubject(law("norm(x, y) + abs(z) - 1", ("x", "y", "z")))
+    assert refuters.smoothness_at_corners(subject) is not None
+
+    def too_long(*_: object, **__: object) -> None:
+        raise ValueError("Exceeds the limit (4300 digits) for integer string conversion")
+
+    monkeypatch.setattr(corners, "local_pieces", too_long)
+    assert [*corners.section_corners(subject, {})] == []

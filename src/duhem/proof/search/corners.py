@@ -12,6 +12,7 @@ from __future__ import annotations
 import math
 import random
 from collections.abc import Iterable, Iterator, Sequence
+from contextlib import suppress
 from fractions import Fraction
 from itertools import chain, islice, product
 from typing import Any
@@ -128,7 +129,8 @@ def section_corners(subject: FormulaSubject, parameters: Values, drawn: bool = T
         for place in places:
             if not subject.budget.pays(price):
                 return
-            yield from _polished(subject, parameters, section, place)
+            with suppress(ValueError):  # of a number in the plane with thousands of digits
+                yield from _polished(subject, parameters, section, place)
 
 
 def _polished(subject: FormulaSubject, parameters: Values, section: PlaneSection, place: Sequence[float]) -> Iterator[SectionCorner]:
