@@ -11,7 +11,7 @@ import pytest
 
 from duhem.proof.kernel.curvature import over
 from duhem.proof.kernel.domain import StatedDomain
-from duhem.proof.kernel.plane_function import Signs, plain, root_of, roots_in, slope_along
+from duhem.proof.kernel.plane_function import Signs, plain, roots_in, slope_along, sqrt
 from duhem.proof.kernel.polynomial import Polynomial, written
 from duhem.proof.kernel.signs import RAY
 from duhem.proof.kernel.stated_law import StatedLaw
@@ -46,11 +46,11 @@ def value(found: Polynomial, at: Mapping[str, float] = AT) -> float:
     ],
 )  # fmt: skip
 def test_roots_of_numbers(number: F, terms: int) -> None:
-    found = root_of({(): number} if number else {})
+    found = sqrt({(): number} if number else {})
     assert value(found) == pytest.approx(math.sqrt(number), rel=1e-14)
     assert [len(m) for m in found] == ([terms] if number else []) and all(n == 1 for m in found for _, n in m)
     with pytest.raises(NotWritten):
-        root_of({(): F(-1)})
+        sqrt({(): F(-1)})
 
 
 @pytest.mark.parametrize(

@@ -15,6 +15,7 @@ from sympy.core.relational import Relational
 from duhem.expression import UNDEFINED
 from duhem.expression.number import fraction
 from duhem.expression.text import formula
+from duhem.law.domain import Domain
 from duhem.proof.decide.question import ANY_STEPS, EFFORTS, Answer, Budget, Question, Sense
 from duhem.proof.kernel import obligations as needs
 from duhem.proof.kernel.bounds import POSITIVE, ZERO, Bounds
@@ -23,9 +24,9 @@ from duhem.proof.kernel.definedness import Reader
 from duhem.proof.kernel.domain import gap
 from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.kernel.steps import TooDearError, within
-from duhem.proof.kernel.term import UNREADABLE, Term, parse
+from duhem.proof.kernel.term import UNREADABLE, Term, number, parse
 
-__all__ = ["ANY_STEPS", "EFFORTS", "Answer", "Budget", "Question", "Sense", "decide"]
+__all__ = ["ANY_STEPS", "EFFORTS", "Answer", "Budget", "Question", "Sense", "decide", "defined"]
 
 _STEPS = 8_000_000  # for a question that belongs to no claim
 _MOST = 400_000  # steps of one question: what is shown at all takes fewer
@@ -50,6 +51,16 @@ def decide(question: Question, budget: Budget | None = None) -> Answer:
             answer = Answer(None, "signs", reason=str(fault))
     budget.pays(min(most, purse.spent))
     return answer
+
+
+def defined(constraints: Iterable[str], parameters: Mapping[str, Domain]) -> bool:
+    """Whether each constraint has a value where the parameters lie in their ranges and those hold that are shown to have one before it."""
+    ends = {x: [None if end is None else fraction(end) for end in (own.low, own.high)] for x, own in parameters.items()}
+    ranges = {x: Bounds(low, high, parameters[x].positive) for x, (low, high) in ends.items()}
+    try:
+        return not needs.constraints(StatedLaw(("no force",), None, number(0), None, ranges, tuple(map(parse, constraints))))
+    except UNREADABLE:
+        return False
 
 
 def _holds(question: Question, law: StatedLaw, sides: Mapping[Term, bool], term: Term) -> bool:

@@ -17,11 +17,11 @@ import sympy as sp
 
 from duhem.expression import holds_at
 from duhem.expression.number import rational
-from duhem.expression.parse import parse_as_written
 from duhem.law.curve_law import Law
 from duhem.law.formula_law import Criterion
-from duhem.proof.decide import ANY_STEPS, Answer, Budget, Question, decide
-from duhem.proof.decide.question import Obligation, bounds, obligations
+from duhem.proof.decide import ANY_STEPS, Answer, Budget, Question, decide, defined
+from duhem.proof.decide.question import bounds
+from duhem.proof.statement import texts
 
 __all__ = ["Point", "Subject", "Values", "fact", "middle_of", "plain_choices", "rationals", "walk"]
 
@@ -91,25 +91,8 @@ class Subject:
 
     @cached_property
     def constraints_defined(self) -> bool:
-        """Whether each constraint as written has a value where the ranges hold, with those that are shown to have one before it."""
-        law, fixed, given = self.law, self.law.fixed_values(), self.ranges
-        values = {name: fixed.get(x, x) for name, x in law.symbols().items()}
-        trees = (
-            parse_as_written(text, values) if text else c.xreplace(fixed)
-            for c, text in zip(law.constraints, law.written_constraints, strict=True)
-        )
-        stated = [(tuple(obligations(tree)), c.xreplace(fixed)) for tree, c in zip(trees, law.constraints, strict=True)]
-        while stated:
-            shown = [(needs, c) for needs, c in stated if all(self._met(need, given) for need in needs)]
-            if not shown:
-                return False
-            given += tuple(c for _, c in shown if c.func(*c.args) not in (sp.true, sp.false))
-            stated = [pair for pair in stated if pair not in shown]
-        return True
-
-    def _met(self, need: Obligation, given: tuple[sp.Basic, ...]) -> bool:
-        """Whether it is shown for parameters alone."""
-        return need.met(lambda expr, sense, there: self.decided(Question(expr, sense, (*given, *there))).holds is True)
+        """Whether each constraint as written is shown to have a value."""
+        return defined(texts(self.law, self.law.constraints, self.law.written_constraints), self.law.parameters)
 
     def may_refute(self, claim: str, points: Iterable[Mapping[str, str]]) -> bool:
         """Whether a violation of the claim at exact points, by name, lies in the ranges of the law, a corner with its sides."""

@@ -32,17 +32,7 @@ from typing import Any, NamedTuple
 from duhem.proof.kernel.bounds import Facts, of_sum
 from duhem.proof.kernel.domain import ANY, NEGATIVE, POSITIVE, ZERO, Sign, StatedDomain, gap
 from duhem.proof.kernel.forms import degree_at_most
-from duhem.proof.kernel.plane_function import (
-    PlaneFunction,
-    PlaneVariable,
-    Signs,
-    base_of,
-    derivatives,
-    inner,
-    multiplied,
-    power_of,
-    root_of,
-)
+from duhem.proof.kernel.plane_function import PlaneFunction, PlaneVariable, Signs, base_of, derivatives, inner, multiplied, power_of, sqrt
 from duhem.proof.kernel.polynomial import ONE, Polynomial, grouped, in_powers, negated, number_in, solved, times, total, written
 from duhem.proof.kernel.signs import RAY
 from duhem.proof.kernel.spectrum import entries_of, extremes
@@ -477,14 +467,14 @@ class DeviatoricReader(PlaneVariable):
         if rate != ONE:
             raise NotWritten("a cosine is of another angle")
         sine = self.wave(total({((_PI, 1),): Fraction(1, 2)}, negated(b)))
-        poly = total(times(self.wave(b), _X), times(times(sine, root_of({(): Fraction(4, 3)})), _D))
+        poly = total(times(self.wave(b), _X), times(times(sine, sqrt({(): Fraction(4, 3)})), _D))
         return PlaneFunction(Fraction(0), poly, {base_of(self.distance): {(): Fraction(-1)}})
 
     def wave(self, angle: Polynomial) -> Polynomial:
         """The cosine of a constant, of sixths of pi as a number or a root of one."""
         if {*angle} <= {((_PI, 1),)} and (turns := 6 * angle.get(((_PI, 1),), Fraction(0))).denominator == 1:
             sixths = abs((int(turns) + 6) % 12 - 6)
-            size = root_of({(): Fraction((4, 3, 1, 0, 1, 3, 4)[sixths], 4)})
+            size = sqrt({(): Fraction((4, 3, 1, 0, 1, 3, 4)[sixths], 4)})
             return size if sixths < 3 else negated(size)
         return self.domain.polynomial(Term("cos", (written(angle),)))
 

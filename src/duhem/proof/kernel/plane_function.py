@@ -24,7 +24,7 @@ from duhem.proof.kernel.term import HALF, NotWritten, Term, number
 
 __all__ = [
     "MOST_POWER", "Base", "PlaneFunction", "PlaneVariable", "Signs", "added", "base_of", "derivatives", "inner", "multiplied", "plain",
-    "power_of", "root_of", "roots_in", "slope_along",
+    "power_of", "roots_in", "slope_along", "sqrt",
 ]  # fmt: skip
 
 MOST_POWER = 24
@@ -215,7 +215,7 @@ def _root_of_power(base: Polynomial, e: Fraction | None) -> Polynomial | None:
         return None
     if any(RAY.name in w.names() for w in roots_in(base)):
         raise NotWritten("a root stands under a root")
-    ((root, scale),) = root_of(base).items()
+    ((root, scale),) = sqrt(base).items()
     return {tuple((x, k * int(half)) for x, k in root): scale ** int(half)}
 
 
@@ -246,7 +246,7 @@ def base_of(poly: Polynomial) -> Base:
 # -- square roots as variables -----------------------------------------------------------------------------------------
 
 
-def root_of(poly: Polynomial) -> Polynomial:
+def sqrt(poly: Polynomial) -> Polynomial:
     """Its root, as a polynomial."""
     if (n := number_in(poly)) is not None:
         return _root_of_number(n)
@@ -368,8 +368,8 @@ class Signs:
         c, s = _as_square(square)
         for side in (s, negated(s)):
             if s and nonnegative(side, self.between, self.domain):
-                return times(root_of({(): c}), side)
-        return root_of(square)
+                return times(sqrt({(): c}), side)
+        return sqrt(square)
 
     def split(self, poly: Polynomial) -> tuple[Polynomial, dict[Term, int]]:
         """A positive multiple without negative powers of roots, and to which power each root is then to be multiplied in."""

@@ -14,11 +14,6 @@ from functools import partial
 from itertools import islice, product, takewhile
 from typing import Any, NamedTuple
 
-import sympy as sp
-
-from duhem.errors import InputError
-from duhem.expression.parse import parse_expression
-from duhem.expression.text import formula
 from duhem.proof.decide import Budget
 from duhem.proof.kernel.bounds import NEGATIVE, POSITIVE, ZERO, Bounds
 from duhem.proof.kernel.certificate import stated
@@ -49,7 +44,7 @@ _TURNS, _MOST_CHOICES, _MOST_FIXED = 7, 6, 4  # of plain values; of those at whi
 _MOST_DECIDED, _MOST_DUALS, _MOST_BOXED = 16, 3, 2  # times that everything is asked about one claim; choices tried in a box
 _TIMES, _WIDE = 8, 4  # as many steps as for a box with fixed parameters may be spent to widen it
 _MOST_ALONE, _MOST_INSIDE = 4, 2  # parameters of which one alone is fixed; of which other values inside a range are tried
-_LONGEST, _LONGEST_FACTORED = 120, 600  # letters of a constraint, and of a sum of which factors are looked for
+_LONGEST = 120  # letters of a constraint
 _CURVES = ("curvature-in-a-box",)
 _IN_BOXES = {"convexity": _CURVES, "normality": _CURVES, "smoothness": ("slope-in-a-box",), "dissipation": ("power-in-a-box",)}
 _MOST_FORCES = 3  # of a law that may be meant for one sign of a force
@@ -244,16 +239,7 @@ def _compared(constant: Term, strict: bool) -> str:
     """That it is >= 0, or > 0, with what is taken away in it on the other side."""
     texts = [in_text(a, {}) for a in (constant.args if constant.op == "+" else (constant,))]
     less, more = [t[1:] for t in texts if t.startswith("-")], [t for t in texts if not t.startswith("-") and t != "0"]
-    left, right = (_in_factors(" + ".join(side) or "0", constant.names()) for side in (less, more))
-    return f"{left} {'<' if strict else '<='} {right}"
-
-
-def _in_factors(side: str, names: Iterable[str]) -> str:
-    """A sum of many terms as a product, where it is a shorter one."""
-    if _LONGEST // 2 < len(side) <= _LONGEST_FACTORED:
-        with suppress(InputError):
-            return min(side, formula(sp.factor(parse_expression(side, {x: sp.Symbol(x) for x in names}))), key=len)
-    return side
+    return f"{' + '.join(less) or 0} {'<' if strict else '<='} {' + '.join(more) or 0}"
 
 
 def _ranges(law: Text, blocked: Blocked) -> Iterator[tuple[str, Text]]:
