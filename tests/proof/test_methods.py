@@ -52,6 +52,19 @@ def test_the_text_explains_every_claim_and_nothing_else() -> None:
     assert all(claim.theory for claim in EVERY.values()) and Claim("none", "", ()).theory == ""
 
 
+class Agreeing:
+    """A kernel that proves nothing by itself, and confirms everything."""
+
+    def proof(self, claim: str, steps: int, as_written: bool | None = None) -> None:
+        return None
+
+    def confirms(self, claim: str, evidence: Evidence) -> bool:
+        return True
+
+
+AGREES = Agreeing()
+
+
 def test_a_method_is_asked_about_the_laws_it_takes_alone() -> None:
     asked: list[str] = []
 
@@ -68,10 +81,11 @@ def test_a_method_is_asked_about_the_laws_it_takes_alone() -> None:
         return PROVED
 
     claim = Claim("made up", "", (ProofMethod(CurveSubject, curve), ProofMethod(Subject, any_law), ProofMethod(FormulaSubject, formula)))
-    assert claim.examine(FormulaSubject(load("coulomb")), {}) is PROVED and asked == ["any law", "formula"]
-    assert claim.examine(CurveSubject(DISK), {}) is PROVED and asked[2:] == ["curve"]
+    assert claim.examine(FormulaSubject(load("coulomb")), {}, AGREES) is PROVED and asked == ["any law", "formula"]
+    assert claim.examine(CurveSubject(DISK), {}, AGREES) is PROVED and asked[2:] == ["curve"]
+    assert claim.examine(CurveSubject(DISK), {}).verdict is Verdict.UNDECIDED  # what no kernel confirms is no proof
     told: list[tuple[str, str]] = []
-    claim.examine(FormulaSubject(load("coulomb")), {}, on_method=lambda name, method, budget: told.append((name, method)))
+    claim.examine(FormulaSubject(load("coulomb")), {}, AGREES, on_method=lambda name, method, budget: told.append((name, method)))
     assert told == [("made up", "test methods any law"), ("made up", "test methods formula")]
     assert Claim("none", "", ()).examine(FormulaSubject(load("coulomb")), {}).verdict is Verdict.UNDECIDED
 
@@ -85,7 +99,7 @@ def test_a_method_that_stops_at_a_number_too_large_is_told_beside_an_open_verdic
         return None if later is None else Evidence(later, "later", "as it is")
 
     methods = (ProofMethod(FormulaSubject, stops), ProofMethod(FormulaSubject, answers))
-    found = Claim("two", "", methods).examine(FormulaSubject(load("coulomb")), {})
+    found = Claim("two", "", methods).examine(FormulaSubject(load("coulomb")), {}, AGREES)
     assert found.verdict is (later or Verdict.UNDECIDED)
     assert found.detail.endswith("; not all methods could try: k is too large for double precision") == (later is not Verdict.PROVED)
 

@@ -348,8 +348,8 @@ def _hypotheses_negated(monkeypatch: pytest.MonkeyPatch) -> None:
 
     whole = Branch.conditions
 
-    def other(self: Branch, strict: bool = False) -> tuple[sp.Basic, ...]:
-        return whole(Branch({s: -sign for s, sign in self.signs.items()}, self.expr), strict)
+    def other(self: Branch) -> tuple[sp.Basic, ...]:
+        return whole(Branch({s: -sign for s, sign in self.signs.items()}, self.expr))
 
     monkeypatch.setattr(Branch, "conditions", other)
 

@@ -192,7 +192,7 @@ def _shown_in_all_parts(law: StatedLaw, whole: dict[str, Enclosure], shown: Call
                 return shown(box, _Derivatives(law.forces, box, found) if of is None else TaylorForm(of, [box[x] for x in law.forces]))
         return False
 
-    price = _PRICE * sum(1 for _ in law.g.parts()) * (n + len(_pairs(n))) // _ENTRIES
+    price = _PRICE * sum(1 for _ in law.g.parts()) * (n + len(_pairs(n))) // _ENTRIES if of is None else 0  # a Taylor form pays itself
     for _ in range(_MOST_BOXES):
         if not boxes:
             return True
