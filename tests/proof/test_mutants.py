@@ -346,12 +346,13 @@ def _hypotheses_negated(monkeypatch: pytest.MonkeyPatch) -> None:
     """The region of an arc or a branch taken on its other side."""
     from duhem.expression.branches import Branch
 
-    whole = Branch.conditions
+    def turned(piece: Branch) -> Branch:
+        return Branch({s: -sign for s, sign in piece.signs.items()}, piece.expr)
 
-    def other(self: Branch) -> tuple[sp.Basic, ...]:
-        return whole(Branch({s: -sign for s, sign in self.signs.items()}, self.expr))
-
-    monkeypatch.setattr(Branch, "conditions", other)
+    whole, inside = Branch.conditions, implicit.interior
+    monkeypatch.setattr(Branch, "conditions", lambda self: whole(turned(self)))
+    for oracle in (implicit, polar):
+        monkeypatch.setattr(oracle, "interior", lambda piece: inside(turned(piece)))
 
 
 def _set(target: Any, name: str, value: Any) -> Patch:
