@@ -106,7 +106,7 @@ TOLD = [
     (law("B*(cosh(a/s)*cosh(b/s) - 1)", {"B": AT_LEAST_0, "s": POSITIVE}, viscous=True), "convexity", "cosh(a/s)*cosh(b/s)",
         "a product of 2 parts", "write (cosh(a/s + b/s) + cosh(a/s - b/s))/2 for cosh(a/s)*cosh(b/s), which is the same"),
     (law("where(3*max(a, b) + min(a, b) > 0, max(a, b) - t, (a - b)**2/(8*t) + a + b)", {"t": POSITIVE}), "convexity",
-        "where(3*max", "a choice by the forces", "your own values"),
+        "where(3*max", "a choice by the forces", "none of them settles the claim"),
 ]  # fmt: skip
 
 

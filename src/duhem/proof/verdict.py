@@ -21,7 +21,7 @@ __all__ = ["ClaimResult", "Evidence", "Proof", "Trust", "Unsettled", "Verdict", 
 
 _MOST = 60  # characters of parameters in one line
 
-_FORM = "try: your own values, --set NAME=VALUE; no constraint, range, other form or plain value that duhem tried settles the claim"
+_FORM = "tried: constraints, ranges, other forms and plain values of the parameters; none of them settles the claim"
 
 
 class Verdict(StrEnum):
