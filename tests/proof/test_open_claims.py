@@ -565,3 +565,10 @@ def test_values_that_refute_one_claim_are_tried_for_the_next() -> None:
     for claim, first in (("convexity", [fails]), ("normality", [])):
         told = that_help(claim, law, frozenset(), None, lambda _: [fails], decide=decide, first=first, tried=tried)
         assert told == ["--set c=-3 (then it is refuted)"]
+
+
+@pytest.mark.parametrize("g", ["norm(a, b) + h*a*b - t", "sqrt(a**2 + b**2) + h*b**4/(1 + a**2) - t"])
+def test_a_tip_inside_k_is_not_blamed(g: str) -> None:
+    """Where norm(a, b) = 0 it is -t < 0: what is open is whether the gradient may be 0."""
+    told = blocked("smoothness", StatedLaw.read(law_as_text(law(g, {"h": Domain.between(-1, 1), "t": POSITIVE}))))
+    assert told is not None and told.why == "is C^1, but no rule shows that its gradient is not 0 where g = 0"

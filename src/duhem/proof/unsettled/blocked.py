@@ -20,7 +20,7 @@ from duhem.proof.kernel.gradient import gradient
 from duhem.proof.kernel.identity import multiplied_out, multiplied_through
 from duhem.proof.kernel.polynomial import written
 from duhem.proof.kernel.region import where_loads_allow
-from duhem.proof.kernel.regularity import regularity
+from duhem.proof.kernel.regularity import regularity, smooth_near_the_boundary
 from duhem.proof.kernel.signs import without_content
 from duhem.proof.kernel.state import energy_differentiable, epigraph, in_state, rate_epigraph
 from duhem.proof.kernel.stated_law import StatedLaw
@@ -213,7 +213,8 @@ def _rough(g: Term, domain: StatedDomain, where: str) -> Blocked | None:
 def _smoothness(law: StatedLaw) -> Blocked | None:
     """Name what may have no gradient; else what convexity lacks: the gradient of a convex g is 0 at its least value alone."""
     domain = within_ranges(law)
-    found = _undefined((law.g,), domain) or _rough(law.g, domain, "on the boundary")
+    rough = None if smooth_near_the_boundary(law.g, domain) else _rough(law.g, domain, "on the boundary")
+    found = _undefined((law.g,), domain) or rough
     return found or (_convexity(law) or Blocked(law.g, ""))._replace(part=law.g, why=_FLAT)
 
 
