@@ -15,7 +15,7 @@ from duhem.proof.certificate import law_as_text
 from duhem.proof.kernel.curvature import over
 from duhem.proof.kernel.domain import StatedDomain
 from duhem.proof.kernel.identity import alike
-from duhem.proof.kernel.plane_function import Signs, inner, plain, root_of, roots_in, slope_along
+from duhem.proof.kernel.plane_function import Signs, inner, plain, roots_in, slope_along, sqrt
 from duhem.proof.kernel.polynomial import Polynomial, negated, times, total
 from duhem.proof.kernel.signs import RAY, nonnegative
 from duhem.proof.kernel.stated_law import StatedLaw
@@ -47,7 +47,7 @@ def value(form: Polynomial, at: dict[Term, float]) -> float:
     return sum(float(c) * math.prod(of(x) ** n for x, n in m) for m, c in form.items())
 
 
-ROOT = root_of(poly(2, 0, 1))  # sqrt(2 + d^2)
+ROOT = sqrt(poly(2, 0, 1))  # sqrt(2 + d^2)
 ((W, _),) = next(iter(ROOT))
 
 
@@ -57,7 +57,7 @@ def power(n: int) -> Polynomial:
 
 @pytest.mark.parametrize("x", [F(2), F(3, 2), F(6), F(1, 4), F(18), F(50, 27), F(19), F(361), F(38, 7), F(0)])
 def test_the_root_of_a_number_is_one_of_primes(x: F) -> None:
-    root = root_of({(): x} if x else {})
+    root = sqrt({(): x} if x else {})
     assert value(root, {}) == pytest.approx(math.sqrt(x))
     assert plain(times(root, root), domain()) == ({(): x} if x else {})
     assert len(root) == (x > 0)
@@ -65,7 +65,7 @@ def test_the_root_of_a_number_is_one_of_primes(x: F) -> None:
 
 def test_what_has_no_root() -> None:
     with pytest.raises(NotWritten):
-        root_of({(): F(-1)})
+        sqrt({(): F(-1)})
 
 
 @pytest.mark.parametrize("n", [-3, -2, -1, 1, 2, 3])
@@ -94,7 +94,7 @@ SIGNED = [
     (total(ROOT, poly(0, 1)), True, True),
     (total(ROOT, poly(0, -1)), True, True),  # sqrt(2 + d^2) > d
     (total(ROOT, poly(0, -2)), False, False),
-    (total(ROOT, negated(root_of({(): F(2)}))), True, False),  # 0 at d = 0
+    (total(ROOT, negated(sqrt({(): F(2)}))), True, False),  # 0 at d = 0
     (total(ROOT, poly(F(-141421, 100000))), True, True),
     (total(ROOT, poly(F(-141422, 100000))), False, False),
     (total(negated(ROOT), poly(2, 1)), True, True),
@@ -118,7 +118,7 @@ def test_signs_in_the_sector(form: Polynomial, above: bool, strict: bool) -> Non
 
 
 def test_a_root_that_may_be_zero_makes_nothing_positive() -> None:
-    edge = root_of(total(poly(-1, x=E), poly(0, 2, x=E)))  # sqrt(2 e - 1), 0 at e = 1/2
+    edge = sqrt(total(poly(-1, x=E), poly(0, 2, x=E)))  # sqrt(2 e - 1), 0 at e = 1/2
     assert signs().above(edge) and not signs().above(edge, strict=True)
     assert signs().above(total(edge, poly(1)), strict=True)
     assert signs().above(total(edge, total(poly(1), poly(0, -1, x=E))), strict=True)  # 1 - e is not 0 there
@@ -129,8 +129,8 @@ def test_a_root_that_may_be_zero_makes_nothing_positive() -> None:
 def test_the_root_of_a_square_at_a_wall(low: str, high: str, sign: int) -> None:
     """sqrt(6 (2 e - 1)^2 + (d - 3/2)) at d = 3/2."""
     square = total(poly(6, -24, 24, x=E), poly(F(-3, 2), 1))
-    found = signs(low, high).at(root_of(square), FAR)
-    expected = times(root_of({(): F(24)}), poly(F(-1, 2), 1, x=E))
+    found = signs(low, high).at(sqrt(square), FAR)
+    expected = times(sqrt({(): F(24)}), poly(F(-1, 2), 1, x=E))
     if sign:
         assert found == plain(expected if sign > 0 else negated(expected), domain())
     else:

@@ -12,7 +12,7 @@ import pytest
 
 from duhem.proof.kernel.curvature import over
 from duhem.proof.kernel.deviatoric import deviatoric_readers
-from duhem.proof.kernel.plane_function import PlaneFunction, PlaneVariable, base_of, root_of
+from duhem.proof.kernel.plane_function import PlaneFunction, PlaneVariable, base_of, sqrt
 from duhem.proof.kernel.plane_gauge import DirectionArc
 from duhem.proof.kernel.polynomial import ONE, Polynomial, times
 from duhem.proof.kernel.signs import RAY
@@ -77,7 +77,7 @@ def test_the_bend_has_the_sign_of_h_and_its_second_derivative(variable: int) -> 
     for _ in range(60):
         powers: dict[Any, Polynomial] = {base_of(drawn(rng)): {(): F(rng.choice((-5, -1, 1, 3, 7)), 2)} for _ in range(rng.randint(0, 2))}
         under, rooted = drawn(rng), plane.rooted and rng.random() < 0.5
-        value = PlaneFunction(F(1), times(drawn(rng), root_of(under)) if rooted else drawn(rng), powers)
+        value = PlaneFunction(F(1), times(drawn(rng), sqrt(under)) if rooted else drawn(rng), powers)
 
         def f(v: float, value: PlaneFunction = value) -> float:
             return at(value.poly, v) * math.prod(at(base, v) ** at(e, v) for base, e in value.powers.items())
