@@ -367,7 +367,7 @@ def test_a_polynomial_of_shared_parts_is_read_once_for_each() -> None:
 SURROGATE = "(x**2 + y**2 + x*y/3)**4/9 + (x - y/2)**6/9 + (x + y)**3/30 - x**5*y**2/90 + x**2/2 + y**2/2 - x*y**4/50 - 1"
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_a_surrogate_of_high_degree_is_proved_and_one_with_a_dent_is_not() -> None:
     assert is_proved(stated(str(sp.expand(sp.sympify(SURROGATE)))), 10_000_000)
     for more in (" - 4*x**4", " - 3*x**2"):
@@ -402,7 +402,7 @@ def test_an_input_convex_network_with_a_small_negative_weight_is_proved() -> Non
         assert is_proved(law, steps or 50_000) is bool(steps)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_a_small_network_without_convex_structure_is_proved_and_rechecked() -> None:
     rows = {f"z{i}": f"softplus({a}*s + {b}*t)" for i, (a, b) in enumerate(((2, 1), (-2, 1), (1, -2), (-1, -1)))}
     g = "z0 + z1 + z2 + z3 - tanh(s + t)/5 - softplus(s/2 - z1/9)/4 - 3"

@@ -170,7 +170,7 @@ def changed(criterion: Criterion, action: str) -> Criterion:
     return criterion.fix(settings) if settings else criterion
 
 
-@pytest.mark.parametrize(("criterion", "claim", "part", "why", "action"), long_at((0, 3, 4, 14), TOLD))
+@pytest.mark.parametrize(("criterion", "claim", "part", "why", "action"), long_at((0, 3, 4, 14, 20, 21), TOLD))
 def test_an_open_claim_names_the_part_that_no_rule_reads_and_what_helps(
     criterion: Criterion, claim: str, part: str, why: str, action: str
 ) -> None:
