@@ -21,12 +21,15 @@ from typing import Any
 
 from duhem.proof.kernel.curvature import over, within_ranges
 from duhem.proof.kernel.domain import ANY, NEGATIVE, POSITIVE, ZERO, Sign, StatedDomain, exact
+from duhem.proof.kernel.forms import determinant, quadratic
 from duhem.proof.kernel.pieces import CHOICES, below, chooses, pieces
-from duhem.proof.kernel.polynomial import ONE, Polynomial, negated, slope, times, total
+from duhem.proof.kernel.polynomial import ONE, Polynomial, negated, slope, times, total, written
 from duhem.proof.kernel.stated_law import StatedFace, StatedLaw
-from duhem.proof.kernel.term import NotWritten, Term, minus, parse, product_of, sum_of
+from duhem.proof.kernel.term import NotWritten, Term, minus, number, parse, product_of, sum_of
 
-__all__ = ["curves_inward", "flows_along_normals", "flows_outward", "is_steep", "rises_outward", "with_convex_sums"]
+__all__ = [
+    "curves_inward", "flows_along_normals", "flows_outward", "is_not_zero_at_its_centre", "is_steep", "rises_outward", "with_convex_sums",
+]  # fmt: skip
 
 Condition = tuple[Polynomial, str]  # and how it stands to 0: ">", ">=" or "=="
 Identities = Sequence[Mapping[str, Any]]
@@ -48,6 +51,18 @@ def is_steep(law: StatedLaw, identities: Identities) -> bool:
         return total(*(times(d, d) for d in (_along_axis(x, g, domain) for x in law.forces)))
 
     return all(shown(square(g), ">", _on_boundary(g, sides, domain), identities, domain) for g, sides in pieces(law.g, domain))
+
+
+def is_not_zero_at_its_centre(law: StatedLaw) -> bool:
+    """Whether a quadratic g has one centre, the only place where grad g = 0, and another value than 0 there.
+
+    With g = x . A x + b . x + c that is the determinant of [[A, b/2], [b/2, c]] divided by that of A.
+    """
+    domain = over(law)
+    matrix, row, rest = quadratic(law.g, law.forces, domain)
+    half = [product_of(number(Fraction(1, 2)), b) for b in row]
+    whole = [[*entries, b] for entries, b in zip(matrix, half, strict=True)] + [[*half, rest]]
+    return all(domain.sign(written(determinant(own, domain))) in (NEGATIVE, POSITIVE) for own in (matrix, whole))
 
 
 def flows_outward(law: StatedLaw, identities: Identities) -> bool:

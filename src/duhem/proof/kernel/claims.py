@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import suppress
-from fractions import Fraction
-from itertools import combinations
 from typing import Any, NamedTuple
 
-from duhem.proof.kernel import boundary, obligations, rates, state
+from duhem.proof.kernel import boundary, normal_flows, obligations, rates, state
 from duhem.proof.kernel import homogeneity as degrees
 from duhem.proof.kernel.bounds import Facts
 from duhem.proof.kernel.boxes import convex_in_its_box, dissipates_in_its_box, smooth_in_its_box
@@ -16,20 +14,17 @@ from duhem.proof.kernel.curvature import over, within_ranges
 from duhem.proof.kernel.curve import Stated, StatedCurve
 from duhem.proof.kernel.definedness import Reader, divides_by_zero_force, undecided_beside
 from duhem.proof.kernel.domain import NEGATIVE, POSITIVE, StatedDomain
-from duhem.proof.kernel.forms import determinant, place_of, quadratic
-from duhem.proof.kernel.gradient import gradient
-from duhem.proof.kernel.identity import in_order, vanishes
+from duhem.proof.kernel.forms import place_of
 from duhem.proof.kernel.normal_form import normal
-from duhem.proof.kernel.pieces import CHOICES, chooses, pieces
+from duhem.proof.kernel.pieces import chooses
 from duhem.proof.kernel.plane_gauge import StarGauge, above_zero_along_rays
 from duhem.proof.kernel.polynomial import negated, written
 from duhem.proof.kernel.region import convex_in_its_region, region_of, round_at_its_ends, where_it_has_a_value
-from duhem.proof.kernel.regularity import smooth_near_the_boundary, tips
-from duhem.proof.kernel.semidefinite import only_at_zero_force
+from duhem.proof.kernel.regularity import smooth_near_the_boundary
 from duhem.proof.kernel.simpler_laws import about_its_centre, cases, in_principal_stresses, normal_forms, without_outer_map
 from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.kernel.support import is_support_function, polyhedra, union_is_convex
-from duhem.proof.kernel.term import UNREADABLE, Term, factors, in_words, minus, number, parse, product_of, sum_of
+from duhem.proof.kernel.term import UNREADABLE, Term, in_words, parse
 
 __all__ = ["BY_CONSTRUCTION", "CURVE_RULES", "RULES", "RuleRow", "at_point", "needs_of", "objection", "row_of", "rules_of"]
 
@@ -278,15 +273,6 @@ def regular(law: StatedLaw, evidence: Evidence) -> bool:
     return boundary.is_steep(law, evidence["steep"]) if "steep" in evidence else boundary.rises_outward(law, evidence["outward"])
 
 
-def not_zero_at_its_centre(law: StatedLaw, _: Evidence) -> bool:
-    """g = x . A x + b . x + c with det A != 0, and its value where grad g = 0 is that of all its coefficients in one matrix by det A."""
-    domain = over(law)
-    matrix, row, rest = quadratic(law.g, law.forces, domain)
-    half = [product_of(number(Fraction(1, 2)), b) for b in row]
-    whole = [[*entries, b] for entries, b in zip(matrix, half, strict=True)] + [[*half, rest]]
-    return all(domain.sign(written(determinant(own, domain))) in (NEGATIVE, POSITIVE) for own in (matrix, whole))
-
-
 def regular_along_rays(law: StatedLaw, evidence: Evidence) -> bool:
     """g is C^1 where g = 0, and grad g != 0 there: g is a graph, or d g(r sigma)/dr > 0, or >= 0 for a g that is steep, by its degrees.
 
@@ -306,70 +292,16 @@ def one_force(law: StatedLaw, evidence: Evidence) -> bool:
     return len(law.forces) == 1 and _shape(law, {}).defined and _inside(law, evidence)
 
 
-def pushes_away_from_zero(law: StatedLaw, _: Evidence) -> bool:
-    """g of one force rises with the size of that, on both sides of 0, and the flow has its sign.
-
-    Where g = 0 and the force is not 0 it is the end of K on its side; if it is 0, K is zero force alone.
-    """
-    domain = within_ranges(law)
-    if len(law.forces) > 1 or law.flow is None or law.surfaces or chooses(law.g, domain):
-        return False
-    force = Term("name", name=law.forces[0])
-    for (g, flow), sides in ((piece.args, sides) for piece, sides in pieces(Term(",", (law.g, *law.flow)), domain, CHOICES)):
-        for way in (number(1), number(-1)):
-            away = domain.where({product_of(way, force): True})
-            if any(away.facts(side).sign == NEGATIVE for side in sides):
-                continue  # the formula is another there
-            there, (slope,) = away.where(dict.fromkeys(sides, False)), gradient(g, law.forces)
-            rise = there.facts(product_of(way, slope))
-            if not (rise.defined and rise.sign == there.sign(product_of(way, flow)) == POSITIVE):
-                return False
-    return True
-
-
 def parallel(law: StatedLaw, evidence: Evidence) -> bool:
     """Every flow of the law's own is a positive multiple of the gradient of its g, which does not rise towards K, K being convex."""
     return boundary.flows_along_normals(law, evidence.get("along", ()), evidence.get("across", ()))
 
 
 def gradient_flow(law: StatedLaw, _: Evidence) -> bool:
-    """The flow is a multiple > 0 of the gradient of g, wherever a tip of g is not 0; g is C^1 where it is 0, convex, and negative at 0.
-
-    It is a constant multiple; or parallel to the gradient and not against it, and 0 at zero force alone.
-    """
-    domain, shape, slopes = over(law), _shape(law, {}), gradient(law.g, law.forces)
-    if law.flow is None or not (shape.defined and shape.convex and _inside(law, {}) and smooth_near_the_boundary(law.g, domain)):
-        return False
-    above = dict.fromkeys(tips(law.g, domain), True)
-    chosen = {Term("where", (Term(">", (tip, number(0))), a, b)): a for tip in above for _, a, b in _choices(law.flow)}
-    flow = [d.put(chosen) for d in law.flow]
-    if undecided_beside((*flow, *slopes), above, domain) is not None:
-        return False
-
-    def same(a: Term, b: Term) -> bool:
-        return vanishes(in_order(sum_of(a, minus(b)), domain), domain)
-
-    pairs = [*zip(flow, slopes, strict=True)]
-    scales = {_scale(d, domain): _scale(slope, domain) for d, slope in pairs}  # d times the one is the slope times the other
-    if any(
-        over(law).facts(product_of(c, k)).sign == POSITIVE and all(same(product_of(k, d), product_of(c, p)) for d, p in pairs)
-        for c, k in scales.items()
-    ):
-        return True
-    beside, square = domain.where(above), sum_of(*(product_of(d, d) for d in flow))
-    moves = beside.sign(square) == POSITIVE or only_at_zero_force(square, domain)
-    ahead = moves and beside.never_negative(sum_of(*(product_of(d, slope) for d, slope in pairs)))
-    return ahead and all(same(product_of(d, q), product_of(e, p)) for (d, p), (e, q) in combinations(pairs, 2))
-
-
-def _scale(term: Term, domain: StatedDomain) -> Term:
-    """The constants among its factors."""
-    return product_of(number(1), *(f for f in factors(term) if domain.constant(f)))
-
-
-def _choices(terms: Iterable[Term]) -> Iterator[tuple[Term, ...]]:
-    """The conditions of choices in formulas, and both their formulas."""
-    return (x.args for term in terms for x in term.parts() if x.op == "where")
+    """The flow is a multiple > 0 of the gradient of g, wherever a tip of g is not 0; g is C^1 where it is 0, convex, and negative at 0."""
+    shape = _shape(law, {})
+    steep = shape.defined and shape.convex and _inside(law, {}) and smooth_near_the_boundary(law.g, over(law))
+    return steep and normal_flows.follows_the_gradient(law)
 
 
 def star_shaped(law: StatedLaw, _: Evidence) -> bool:
@@ -559,7 +491,7 @@ RULES: Mapping[tuple[str, str], RuleRow] = {
         "g is C^1 wherever g = 0, and grad g != 0 there", True,
     ),
     ("smoothness", "centre"): RuleRow(
-        _NONE, not_zero_at_its_centre, obligations.formula,
+        _NONE, lambda law, _: boundary.is_not_zero_at_its_centre(law), obligations.formula,
         "g is quadratic, and not 0 at its centre, which is the only place where grad g = 0", most_forces=3,
     ),
     ("smoothness", "one-dimensional"): RuleRow(
@@ -572,7 +504,7 @@ RULES: Mapping[tuple[str, str], RuleRow] = {
         "the flow is a non-negative multiple of grad g wherever g = 0, and K is convex", True,
     ),
     ("normality", "one-force"): RuleRow(
-        _NONE, pushes_away_from_zero, obligations.formula_and_flow,
+        _NONE, lambda law, _: normal_flows.has_the_sign_of_the_force(law), obligations.formula_and_flow,
         "g rises with the size of the force on both sides of 0, and the flow has the sign of the force: so it is normal to the "
         "interval K at both its ends", most_forces=1,
     ),
