@@ -155,7 +155,7 @@ def _check_forces_of_rates(law: Any) -> None:
         remedy = f"write functions of the rates, one for each of {', '.join(law.forces)}"
         raise InputError(f"{', '.join(sorted(stray))} is no force, or a force depends on it", where=where, remedy=remedy)
     if more := [name for name in ("flow", "surfaces", "viscous", "rates", "unforced", "energy", "heat", "domain") if getattr(law, name)]:
-        raise InputError(f"the law has {more[0]} too", where=where, remedy=f"remove {more[0]}: a law of forces by rates states no more")
+        raise InputError(f"the law has {more[0]} too", where=where, remedy=f"remove {more[0]}: a law with forces_of_rates has nothing else")
 
 
 def check_heat(law: Any) -> None:
