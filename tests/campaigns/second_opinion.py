@@ -67,7 +67,7 @@ def _refuted(claim: str, subject: FormulaSubject) -> str:
         if isinstance(method, ProofMethod) and method.takes is FormulaSubject:
             subject.allow(CLAIMS[claim].steps)
             found = method.run(subject)
-            if found is not None and found.witness is not None and subject.may_refute(claim, found.witness.points.values()):
+            if found is not None and found.witness is not None and subject.may_refute(claim, found.witness.points):
                 return found.method
     return ""
 

@@ -166,7 +166,7 @@ class Claim:
 
     def _counts(self, found: Evidence, subject: Subject, confirms: Confirms) -> bool:
         if found.witness is not None:
-            return subject.may_refute(self.name, found.witness.points.values())
+            return subject.may_refute(self.name, found.witness.points)
         return found.verdict is not Verdict.PROVED or subject.may_prove(self.name) or confirms(found)
 
 

@@ -112,10 +112,9 @@ class FormulaSubject(Subject):
         """Whether all values of the forces are those of some state of the law."""
         return self.law.energy is None if self.state is None else self.state.onto
 
-    def may_refute(self, claim: str, points: Iterable[Mapping[str, str]]) -> bool:
+    def may_refute(self, claim: str, points: Mapping[str, Mapping[str, str]]) -> bool:
         """Whether all of them lie in the ranges of the law, and are those of a state."""
-        points = list(points)
-        if claim == "dissipation" and not (self.onto or all(self.of.variables.keys() <= point.keys() for point in points)):
+        if claim == "dissipation" and not (self.onto or all(self.of.variables.keys() <= point.keys() for point in points.values())):
             return False  # no state may have these forces
         return super().may_refute(claim, points)
 

@@ -6,7 +6,7 @@ And exact parameter values to look at: inside the ranges that single relations g
 from __future__ import annotations
 
 import random
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from fractions import Fraction
 from functools import cached_property, wraps
 from itertools import combinations, islice, product
@@ -18,6 +18,7 @@ import sympy as sp
 from duhem.expression import holds_at
 from duhem.expression.number import rational
 from duhem.law.curve_law import Law
+from duhem.law.domain import Domain
 from duhem.law.formula_law import Criterion
 from duhem.proof.decide import ANY_STEPS, Answer, Budget, Question, decide, defined
 from duhem.proof.decide.question import bounds
@@ -94,15 +95,23 @@ class Subject:
         """Whether each constraint as written is shown to have a value."""
         return defined(texts(self.law, self.law.constraints, self.law.written_constraints), self.law.parameters)
 
-    def may_refute(self, claim: str, points: Iterable[Mapping[str, str]]) -> bool:
-        """Whether a violation of the claim at exact points, by name, lies in the ranges of the law, a corner with its sides."""
-        ranges = self.law.domain if isinstance(self.law, Criterion) else {}
-        beside = {name: _MARGIN if claim == "smoothness" and name in self.law.forces else Fraction(0) for name in ranges}
+    def may_refute(self, claim: str, points: Mapping[str, Mapping[str, str]]) -> bool:
+        """Whether a violation of the claim at exact points, by role and by name, lies in the ranges of the law, a corner with its sides.
+
+        A sharp point is shown by ways out of it, and lies in the ranges as these do: it may be at an end of one.
+        """
+        edge = _MARGIN if claim == "smoothness" and "outside" not in points else Fraction(0)
+        beside = {name: edge if name in self.law.forces else Fraction(0) for name in self.domain}
         return all(
             name in point and all(rational(Fraction(point[name]) + step) in span for step in {-beside[name], beside[name]})
-            for point in points
-            for name, span in ranges.items()
+            for point in points.values()
+            for name, span in self.domain.items()
         )
+
+    @property
+    def domain(self) -> Mapping[str, Domain]:
+        """The ranges of the pressure and of forces in which the claims are asked."""
+        return self.law.domain if isinstance(self.law, Criterion) else {}
 
     def choices(self, most: int) -> Iterator[Values]:
         """Exact values of the free parameters inside the domain, the plainest first."""

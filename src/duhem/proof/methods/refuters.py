@@ -233,7 +233,7 @@ def smoothness_at_corners(subject: FormulaSubject | GraphSubject) -> Evidence | 
     """Refute by a boundary point on a seam where the one-sided normals differ: for two forces on any seam, for more in some planes."""
     if isinstance(subject, GraphSubject):
         return None if subject.written_out is None else smoothness_at_corners(subject.written_out)
-    choices = subject.choices(6 if len(subject.simple.forces) == 2 else 2, _at_least_exponents(subject))
+    choices = subject.choices(6 if len(subject.simple.forces) == 2 else 2, _at_extreme_exponents(subject))
     found = (corner(subject, *one) for parameters in choices for one in _suggested(subject, parameters))
     return _not_smooth(subject, found, "witness-corner", "the outward normal jumps at a corner of the boundary")
 
@@ -251,22 +251,24 @@ def smoothness_at_sharp_points(subject: FormulaSubject) -> Evidence | None:
     """Refute by an exact boundary point to which K narrows: the tip of a cone or of a drop, a cusp, or a saddle of g."""
     from duhem.proof.search.corners import centred_choices, sharp_points  # numpy, only when something is looked for
 
-    choices = subject.choices(1, [*_at_least_exponents(subject), *centred_choices(subject)])
+    choices = subject.choices(1, [*_at_extreme_exponents(subject), *centred_choices(subject)])
     found = (sharp_point(subject, *one) for parameters in choices for one in sharp_points(subject, parameters))
     return _not_smooth(subject, found, "witness-sharp-point", "the boundary has a sharp point")
 
 
-def _at_least_exponents(subject: FormulaSubject) -> list[Values]:
-    """Return the plainest choices with each exponent at its least value, at which |x|^a may have a kink."""
+def _at_extreme_exponents(subject: FormulaSubject) -> list[Values]:
+    """Return the plainest choices with each exponent at its least value, at which |x|^a may have a kink, and with each at its greatest."""
     exponents = {x for power in subject.simple.g.atoms(sp.Pow) for x in power.exp.free_symbols}
-    least = {x: fraction(own.low) for x in exponents if (own := subject.law.parameters.get(x.name)) and own.low is not None}
-    found = ({**plain, **least} for plain in itertools.islice(subject.choices(_PLAIN), _PLAIN if least else 0))
+    own = {x: domain for x in exponents if (domain := subject.law.parameters.get(x.name)) is not None}
+    least = {x: fraction(domain.low) for x, domain in own.items() if domain.low is not None}
+    greatest = {x: fraction(domain.high) for x, domain in own.items() if domain.high is not None}
+    found = ({**plain, **ends} for ends in (least, greatest) for plain in itertools.islice(subject.choices(_PLAIN), _PLAIN if ends else 0))
     return list({tuple(one.items()): one for one in found}.values())
 
 
 def _not_smooth(subject: FormulaSubject, found: Iterable[Witness | None], method: str, detail: str) -> Evidence | None:
     """Refute by the first witness that lies well within the ranges of the law."""
-    within = (one for one in found if one is not None and subject.may_refute("smoothness", one.points.values()))
+    within = (one for one in found if one is not None and subject.may_refute("smoothness", one.points))
     return Evidence.refuted_by(within, method, _of_k(subject, detail))
 
 

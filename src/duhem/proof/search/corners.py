@@ -27,6 +27,7 @@ from duhem.expression.number import fraction, rational
 from duhem.expression.numpy_ import compiled
 from duhem.expression.rays import Rays, exits
 from duhem.expression.vocabulary import KINKS
+from duhem.law.domain import REAL
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.facts.plane_section import PlaneSection, local_pieces
 from duhem.proof.facts.subject import Point, Values, rationals
@@ -294,11 +295,14 @@ def sharp_points(subject: FormulaSubject, parameters: Values) -> Iterator[SharpP
     ways = list(dict.fromkeys([*_ways(len(forces)), *(tuple(Fraction(c, max(map(abs, edge))) for c in edge) for edge in pointed)]))
     opposite = [ways.index(tuple(-c for c in way)) for way in ways]
     steps = np.array([[float(c) for c in way] for way in ways])
+    ranges = [subject.domain.get(x.name, REAL) for x in forces]
+    low = [-np.inf if span.low is None else float(span.low) for span in ranges]
+    high = [np.inf if span.high is None else float(span.high) for span in ranges]
 
     def values(place: Point, reach: float, lean: Any = 0) -> Any:
         points = np.array([float(c) for c in place]) + reach * (steps + lean)
         with np.errstate(all="ignore"):
-            return np.broadcast_to(level(*points.T), len(ways))
+            return np.where(np.all((low < points) & (points < high), axis=1), level(*points.T), np.nan)
 
     for place in dict.fromkeys([*_plain_places(g, forces), *_centre(g, forces), *_on_edges(g, forces, pointed)]):
         if not subject.budget.pays(_PLACE):

@@ -71,8 +71,12 @@ def corner(subject: FormulaSubject, parameters: Values, section: PlaneSection, n
 
 def _defined(piece: LocalPiece, switch: sp.Expr, box: Any) -> bool:
     """Whether the formula as written has a value on this side of the seam, over the box; on the seam itself it may be 0/0."""
-    signs = ((_beside(expr, switch, piece.signs[switch], box), sense) for expr, sense in piece.needed)
-    return all(sign == 1 or (sign == -1 and sense is Sense.ZERO) for sign, sense in signs)
+    return all(_meets(sense, _beside(expr, switch, piece.signs[switch], box) or None) for expr, sense in piece.needed)
+
+
+def _meets(sense: Sense, sign: int | None) -> bool:
+    """Whether what has a certain sign is as it must be."""
+    return sign == 1 or (sign == -1 and sense is Sense.ZERO) or (sign == 0 and sense is Sense.NONNEGATIVE)
 
 
 def _beside(expr: sp.Expr, switch: sp.Expr, side: int, box: Any) -> int | None:
@@ -182,14 +186,23 @@ def _has_zero(system: Any, jacobian: Any, centre: Any, box: Any, radius: Fractio
 
 def sharp_point(subject: FormulaSubject, parameters: Values, place: Vector, aside: Vector, into: Vector, lean: int) -> Witness | None:
     """Such a point with w = ``aside``, v = ``into`` and c = ``lean`` >= 0; None if that is not certain.  g must be defined and not jump."""
-    if lean < 0 or subject.doubtful or not subject.joined(subject.simple.g):
+    if lean < 0 or not subject.joined(subject.simple.g):
+        return None
+    exact = subject.values_at(parameters, place)
+    settled = {x: rational(value) for x, value in exact.items() if x not in subject.simple.forces}
+    needed = [(o.expr.xreplace(settled), o.sense) for o in subject.doubtful]
+    at = {x: ball(value) for x, value in exact.items()}
+    if not all(_meets(sense, certain_sign(enclose(expr, at))) for expr, sense in needed):
         return None
     g = _without_root(subject.formula_at(parameters))
     away, opposite = ([lean * v + side * w for v, w in zip(into, aside, strict=True)] for side in (1, -1))
     with precision(_BITS):
         for width, reach in _CONES:
             ends = ((into, Fraction(0), -1), (away, width, 1), (opposite, width, 1))
-            if all(_Cone(subject.simple.forces, place, way, wide, reach).sign(g) == sign for way, wide, sign in ends):
+            if not all(_in_ranges(subject, place, way, wide, reach) for way, wide, _ in ends):
+                continue
+            cones = [(_Cone(subject.simple.forces, place, way, wide, reach), sign) for way, wide, sign in ends]
+            if all(cone.sign(g) == sign and all(_meets(sense, cone.sign(expr)) for expr, sense in needed) for cone, sign in cones):
                 ways = {"corner": [Fraction(0)] * len(away), "outside": away, "opposite": opposite, "inside": into}
                 points = {role: [x + reach * c for x, c in zip(place, way, strict=True)] for role, way in ways.items()}
                 where = " between" if lean else ""
@@ -200,6 +213,13 @@ def sharp_point(subject: FormulaSubject, parameters: Values, place: Vector, asid
                 shown = {role: subject.values_at(parameters, point) for role, point in points.items()}
                 return witness(subject, shown, {}, statement, {"beside": float(width * reach)})
     return None
+
+
+def _in_ranges(subject: FormulaSubject, place: Vector, way: Vector, width: Fraction, reach: Fraction) -> bool:
+    """Whether a cone lies in the ranges of the law, all of it that is not the place itself."""
+    corners = zip(subject.simple.forces, place, way, strict=True)
+    reached = {x.name: [start + reach * (c + side * width) for side in (-1, 1)] for x, start, c in corners}
+    return all(rational(end) in subject.domain[name] for name, ends in reached.items() if name in subject.domain for end in ends)
 
 
 class _Cone:
