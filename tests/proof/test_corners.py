@@ -1,10 +1,14 @@
 """Corners in more than two forces: edges and tips are found and shown, and what only looks like one is not."""
 
+from dataclasses import replace
+from fractions import Fraction
 from functools import partial
+from random import Random
 
 import pytest
 
-from duhem import Criterion, Domain, verify
+from duhem import Criterion, Domain, Verdict, verify
+from duhem.expression.number import rational
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.methods import refuters
 from duhem.proof.search.corners import centred_choices
@@ -117,6 +121,59 @@ NOT_SHARP = [
 @pytest.mark.parametrize("one", NOT_SHARP)
 def test_a_smooth_boundary_has_no_sharp_point(one):
     assert refuters.smoothness_at_sharp_points(FormulaSubject(one())) is None
+
+
+FROM_0 = Domain.between(0)
+BETWEEN_0_AND_1 = Domain.between(0, 1)
+AT_AN_END = [  # of the range of a: every way that shows it lies in the range, and g has a value on each
+    (law("norm(b/h, c) - a*(1 - a)", h=POSITIVE), BETWEEN_0_AND_1),
+    (law("(b/h)**2 + c**2 - 2*e*b*c/h - (4*a**p*(1 - a)**p)**2", e=Domain.between("-1/2", "1/2"), h=POSITIVE,
+         p=Domain.between("7/10", 1)), BETWEEN_0_AND_1),  # as of Houlsby and Cassidy (2002): at p = 1 alone
+    (law("abs(b) - a*(phi + d*exp(-k*a))", TWO, phi=Domain.between("2/5", "3/5"), d=Domain.between("1/20", "1/5"), k=POSITIVE), FROM_0),
+    (law("abs(b) - m*a", TWO, m=POSITIVE), FROM_0),
+    (law("b**2 - a**3", TWO), FROM_0),  # a cusp
+    (law("abs(b) - a**(3/2)", TWO), FROM_0),
+    (law("abs(b) - (-a)**(3/2)", TWO), Domain.between(None, 0)),
+]  # fmt: skip
+ROUND_AT_AN_END = [
+    (law("abs(b) - a**(1/2)", TWO), FROM_0),
+    (law("b**2 + c**2 - a"), FROM_0),
+    (law("abs(b)**(3/2) - a", TWO), FROM_0),
+    (law("abs(a) + b - 1", TWO), FROM_0),  # its kink is at the end of the range
+    (law("b - m*a", TWO, m=POSITIVE), FROM_0),
+    (law("max(b - a, b - 2*a)", TWO), FROM_0),  # two pieces that meet at the end of the range
+    (law("(b/h)**2 + c**2 - (4*a**p*(1 - a)**p)**2", h=POSITIVE, p=Domain.between("7/10", "9/10")), BETWEEN_0_AND_1),
+    (law("norm(a, b) - 1", TWO), Domain.between("1/2")),
+]
+
+
+def within(one, **ranges):
+    return replace(one(), domain=ranges)
+
+
+@pytest.mark.parametrize(("one", "span"), AT_AN_END)
+def test_a_sharp_point_at_an_end_of_a_range_is_shown_from_inside_the_range(one, span):
+    one = within(one, a=span)
+    found = verify(one, claims=["smoothness"])["smoothness"]
+    assert found.verdict is Verdict.REFUTED and found.method == "witness-sharp-point" and confirmed(one, "smoothness", found.witness)
+    ways = [point for role, point in found.witness.points.items() if role != "corner"]
+    assert all(rational(Fraction(point["a"])) in span for point in ways)
+    assert rational(Fraction(found.witness.points["corner"]["a"])) in (span.low, span.high)
+
+
+@pytest.mark.parametrize(("one", "span"), ROUND_AT_AN_END)
+def test_a_boundary_that_is_round_or_flat_at_an_end_of_a_range_has_no_sharp_point(one, span):
+    assert refuters.smoothness_at_sharp_points(FormulaSubject(within(one, a=span))) is None
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_a_power_has_a_sharp_point_at_an_end_of_a_range_from_degree_one_on(seed):
+    """|b| <= m a^p, a >= 0, comes to its end along a for p < 1, where it is round, and else in a corner or a cusp."""
+    draw = Random(seed)
+    p, m = Fraction(draw.randint(3, 24), 12), Fraction(draw.randint(1, 30), 10)
+    one = within(law(f"abs(b) - {m}*a**({p})", TWO), a=FROM_0)
+    found = verify(one, claims=["smoothness"])["smoothness"]
+    assert found.verdict is not Verdict.PROVED and (found.verdict is Verdict.REFUTED) == (p >= 1)
 
 
 JOINED = [  # two boundaries that meet, or one and the seam, where g jumps

@@ -178,7 +178,7 @@ def test_an_open_claim_names_the_part_that_no_rule_reads_and_what_helps(
     assert found.part is not None and found.why is not None and part in found.part and why in found.why
     told = next(sentence for sentence in (*found.actions, *found.sentences()) if action in sentence)
     if told in found.actions:
-        effort = "normal" if "near K" in told else "quick"  # enclosures are too dear for quick
+        effort = "normal" if "forces near" in told else "quick"  # enclosures are too dear for quick
         assert verify(changed(criterion, told), claims=[claim], effort=effort)[claim].verdict is Verdict.PROVED
     else:
         assert not found.actions  # nothing that was tried helped, and nothing is suggested

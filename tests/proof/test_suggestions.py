@@ -422,6 +422,7 @@ def test_one_parameter_alone_is_fixed_for_everything_that_decides(name: str, ver
     assert not trials._fixed(PLANE, (), frozenset("k"), [KNOWN], lambda plain: plain, asked, False, 0)
 
 
+OWN = " (or set values of your own: ranges are then sought for them)"
 BOXES = [{x: {"min": low, "max": high} for x in "ab"} for low, high in (("-4", "4"), ("-1", "1"), ("0.1", "0.5"), ("0.2", "0.3"))]
 
 
@@ -435,19 +436,20 @@ def inside(side: Any, low: float, high: float) -> bool:
         (lambda box, own: inside(box["a"], -1, 4), {"a": ("-1", "4"), "b": ("-4", "4")}, "", True),  # one end, and both of the other
         (lambda box, own: inside(box["a"], -1, 1), {"a": ("-1", "1"), "b": ("-4", "4")}, "", True),  # a quarter
         (lambda box, own: inside(box["a"], -3, 3), {"a": ("-2.5", "2.5"), "b": ("-4", "4")}, "", True),  # halfway
-        (lambda box, own: own["e"] == {"value": "1/2"}, {"a": ("-4", "4"), "b": ("-4", "4")}, " and --set e=1/2", True),
+        (lambda box, own: own["e"] == {"value": "1/2"}, {"a": ("-4", "4"), "b": ("-4", "4")}, f" and --set e=1/2{OWN}", True),
         (lambda box, own: "value" in own["e"] or inside(own["e"], 0, 1), {"a": ("-4", "4"), "b": ("-4", "4")},
          ' and e = { min = "1/2", max = 1 } in the section [parameters]', True),
         (lambda box, own: "value" in own["e"] or inside(own["e"], -0.5, 0.8), {"a": ("-4", "4"), "b": ("-4", "4")},
          ' and e = { min = "-1/4", max = "3/4" } in the section [parameters]', True),
-        (lambda box, own: "value" in own["m"] and inside(box["b"], 0, 1), {"a": ("-4", "4"), "b": ("0.1", "0.5")}, " and --set m=4", False),
+        (lambda box, own: "value" in own["m"] and inside(box["b"], 0, 1), {"a": ("-4", "4"), "b": ("0.1", "0.5")}, f" and --set m=4{OWN}", False),
     ],
 )  # fmt: skip
 def test_ranges_are_widened_and_parameters_freed_as_far_as_the_claim_is_shown(shown: Any, ranges: Any, more: str, wide: bool) -> None:
     asked: Any = Answers("convexity", lambda changed_law: shown(changed_law["domain"], changed_law["parameters"]))
     ((told, _),), half = trials._boxed(PLANE, [KNOWN], lambda _: BOXES, asked)
     near = " and ".join(f"{x} = {{ min = {low}, max = {high} }}" for x, (low, high) in ranges.items())
-    assert told == f"ask for forces near K alone: {near} in the section [domain]{more}" and half is wide
+    near_k = "K" if all(ends == ("-4", "4") for ends in ranges.values()) else "a part of K"
+    assert told == f"ask for forces near {near_k} alone: {near} in the section [domain]{more}" and half is wide
 
 
 @pytest.mark.parametrize("seed", range(20))

@@ -48,7 +48,8 @@ _AROUND = Fraction(1, 10**4)  # of a place in floats, by its size: as far as pie
 _SHARP = 1e-5
 _MOST_WAYS, _SHOWN = 400, 6
 _PLACE = 20_000  # steps of one
-_LEANS = (1, 4)  # how far two ways out of K lean towards that into it between them, where they are not opposite
+_LEANS = (Fraction(1), Fraction(4))  # how far two ways out of K lean towards that into it between them, where they are not opposite
+_LEAST = Fraction(1, 16)  # the same where opposite ways cannot be asked
 _SAME = 3.0  # how much more one may fall than the other on a tenth of the way
 _LARGEST = 10_000  # the denominator of a plain fraction
 _ALONG = 10.0 ** np.linspace(-5, 5, 61)
@@ -56,7 +57,7 @@ _ALONG = 10.0 ** np.linspace(-5, 5, 61)
 Place = tuple[float, float]
 Crossing = tuple[Seam, Point]  # a point (decimals of high precision) on the boundary, on a seam with one switch
 SharpPoint = tuple[
-    Values, Point, Point, Point, int
+    Values, Point, Point, Point, Fraction
 ]  # a place from which, as it seems, K is left in the directions c v + w and c v - w, and entered in v; w, v and c
 SectionCorner = tuple[Values, PlaneSection, Point]  # a place in a plane of forces at which, as it seems, the boundary has a corner
 
@@ -312,9 +313,12 @@ def sharp_points(subject: FormulaSubject, parameters: Values) -> Iterator[SharpP
         home = tuple(-c / max(map(abs, place)) for c in place) if any(place) else None
         back = [k for k, way in enumerate(ways) if way == home]  # on which floats may not see that a load is 0
         falls = [(k, nearer[k] / found[k]) for k in np.argsort(found) if -np.inf < found[k] < 0]
-        ends = [(k, fall, 0) for k, fall in [*((k, 0.1) for k in back), *falls[:2]][:2]]
-        for k, fall, lean in (*ends, *((k, fall, lean) for lean in _LEANS for k, fall in falls)):
-            both, both_nearer = (np.minimum(v, v[opposite]) for v in (values(place, r, lean * steps[k]) for r in (size, size / 10)))
+        at_an_end = any(float(c) in (a, b) for c, a, b in zip(place, low, high, strict=True))  # opposite ways do not both lie in the range
+        leans = (_LEAST, *_LEANS) if at_an_end else _LEANS
+        ends = [(k, fall, Fraction(0)) for k, fall in [*((k, 0.1) for k in back), *falls[:2]][:2]]
+        for k, fall, lean in (*ends, *((k, fall, lean) for lean in leans for k, fall in falls)):
+            leaning = (values(place, r, float(lean) * steps[k]) for r in (size, size / 10))
+            both, both_nearer = (np.minimum(v, v[opposite]) for v in leaning)
             # where g rises less steeply than it falls, K has a tangent
             steep = [i for i in np.argsort(-both) if both[i] > 0 and both_nearer[i] > both[i] * fall / _SAME]
             for i in steep[: 1 if lean else _SHOWN]:

@@ -184,7 +184,7 @@ def _has_zero(system: Any, jacobian: Any, centre: Any, box: Any, radius: Fractio
     return all(step.is_finite() and abs(step) < ball(radius) for step in steps)
 
 
-def sharp_point(subject: FormulaSubject, parameters: Values, place: Vector, aside: Vector, into: Vector, lean: int) -> Witness | None:
+def sharp_point(subject: FormulaSubject, parameters: Values, place: Vector, aside: Vector, into: Vector, lean: Fraction) -> Witness | None:
     """Such a point with w = ``aside``, v = ``into`` and c = ``lean`` >= 0; None if that is not certain.  g must be defined and not jump."""
     if lean < 0 or not subject.joined(subject.simple.g):
         return None
