@@ -441,7 +441,8 @@ def inside(side: Any, low: float, high: float) -> bool:
          ' and e = { min = "1/2", max = 1 } in the section [parameters]', True),
         (lambda box, own: "value" in own["e"] or inside(own["e"], -0.5, 0.8), {"a": ("-4", "4"), "b": ("-4", "4")},
          ' and e = { min = "-1/4", max = "3/4" } in the section [parameters]', True),
-        (lambda box, own: "value" in own["m"] and inside(box["b"], 0, 1), {"a": ("-4", "4"), "b": ("0.1", "0.5")}, f" and --set m=4{OWN}", False),
+        (lambda box, own: "value" in own["m"] and inside(box["b"], 0, 1), {"a": ("-4", "4"), "b": ("0.1", "0.5")},
+         f" and --set m=4{OWN}", False),
     ],
 )  # fmt: skip
 def test_ranges_are_widened_and_parameters_freed_as_far_as_the_claim_is_shown(shown: Any, ranges: Any, more: str, wide: bool) -> None:
