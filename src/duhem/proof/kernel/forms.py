@@ -6,7 +6,8 @@ from collections.abc import Iterator, Sequence
 from fractions import Fraction
 from itertools import combinations
 
-from duhem.proof.kernel.bounds import Facts
+from duhem.proof.kernel.bounds import Facts, signs_of_product
+from duhem.proof.kernel.constant_value import ordered
 from duhem.proof.kernel.domain import ANY, NEGATIVE, POSITIVE, ZERO, Sign, StatedDomain
 from duhem.proof.kernel.polynomial import (
     ONE,
@@ -165,10 +166,15 @@ def by_forces(poly: Polynomial, domain: StatedDomain) -> dict[Monomial, Polynomi
 
 def sign_within(term: Term, known: Facts, domain: StatedDomain) -> Sign:
     """The signs that what is >= 0 in the domain leaves: of a multiple of that and a constant; of a concave term that depends on one load
-    alone and is >= 0 at both of its ends, no sign < 0.
+    alone and is >= 0 at both of its ends, no sign < 0; those of a difference of two values of a word that rises, or falls; and those of a
+    sum times what it divides by and is > 0.
     """
     try:
-        found = _of_multiple(term, domain)
+        found = _of_multiple(term, domain) & _of_one_word(term, domain)
+        poly = domain.polynomial(term) if term.op == "+" and found & known.sign not in (NEGATIVE, ZERO, POSITIVE) else {}
+        divides = any(x.op == "**" and not domain.constant(x) for m in poly for x, _ in m)
+        if divides and (whole := domain.without_quotients(poly)) is not poly:
+            found &= domain.facts(written(whole)).sign
         below = found & known.sign & NEGATIVE and known.concave
         ends = ((x, y) for x in domain.sides for y in domain.sides) if below else ()
         return found & ~NEGATIVE if any(_above_at_both_ends(term, *both, domain) for both in ends) else found
@@ -186,6 +192,17 @@ def _of_multiple(term: Term, domain: StatedDomain) -> Sign:
             if not (way | left) & opposite:
                 found &= sign if left == sign or (strict and way == sign) else ZERO | sign
     return found
+
+
+def _of_one_word(term: Term, domain: StatedDomain) -> Sign:
+    """Of c f(x) - c f(y), with one word f: what the order of f(x) and f(y) leaves."""
+    found = grouped(domain.polynomial(term), lambda x: len(x.args) == 1 and not domain.constant(x)) if term.op == "+" else {}
+    if len(found) != 2 or total(*found.values()) or any([n for _, n in m] != [1] for m in found):
+        return ANY
+    for gap, strict in ordered([x for ((x, _),) in found], domain.sign):
+        greater = max(gap, key=lambda m: gap[m])
+        return signs_of_product(POSITIVE if strict else POSITIVE | ZERO, domain.facts(written(found[greater])).sign)
+    return ANY
 
 
 def share_and_rest(poly: Polynomial, load: Polynomial, domain: StatedDomain) -> tuple[Polynomial, Polynomial] | None:

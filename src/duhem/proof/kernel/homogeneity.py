@@ -29,6 +29,7 @@ numbers, with roots perhaps, so that what is asked on them is the sign of a numb
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Sequence
+from contextlib import suppress
 from fractions import Fraction
 from itertools import pairwise
 from typing import NamedTuple
@@ -63,9 +64,23 @@ def grows_along_rays(g: Term, domain: StatedDomain, steep: bool) -> bool:
     if (kink := choice(g, domain)) is not None and kink.op == "where" and kink.args[0].op in COMPARISONS:
         values = [g.put({kink: value}) for value in kink.args[1:]]
         return len(by_degree(gap(kink.args[0]), domain)) == 1 and all(grows_along_rays(value, domain, steep) for value in values)
-    _, sums = _rates(g, domain)
-    signs = [Reader(domain).sign(x) & domain.facts(written(domain.without_quotients(domain.polynomial(x)))).sign for x in sums]
-    return POSITIVE in signs or (any(not sign & NEGATIVE for sign in signs) and (not steep or _is_steep(g, domain)))
+    for own in (_rates, _by_gradient):
+        with suppress(NotWritten, ValueError):
+            _, sums = own(g, domain)
+            signs = [Reader(domain).sign(x) & domain.facts(written(domain.without_quotients(domain.polynomial(x)))).sign for x in sums]
+            if POSITIVE in signs or (any(not sign & NEGATIVE for sign in signs) and (not steep or _is_steep(g, domain))):
+                return True
+    return False
+
+
+def _by_gradient(g: Term, domain: StatedDomain) -> tuple[dict[Term, Term], list[Term]]:
+    """S for m = 0 and 1, of a g that need not have degrees: sigma . grad g - m g, where grad g has a value, which is around every place."""
+    slopes = gradient(g, domain.law.forces)
+    if chooses(g, domain) or undecided_beside(slopes, tips(g, domain), domain) is not None:
+        raise NotWritten("g may jump, or have no slope")
+    rate = sum_of(*(product_of(Term("name", name=x), d) for x, d in zip(domain.law.forces, slopes, strict=True)))
+    sums = (sum_of(rate, minus(product_of(number(m), g))) for m in range(2))
+    return {}, [in_order(signs_as_sizes(x, domain), domain) for x in sums]
 
 
 def _rates(g: Term, domain: StatedDomain) -> tuple[dict[Term, Term], list[Term]]:

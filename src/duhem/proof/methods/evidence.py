@@ -15,6 +15,7 @@ import sympy as sp
 
 from duhem.expression import UNDEFINED, Norm, Where
 from duhem.expression.dimensions import degree
+from duhem.expression.elementary import ELEMENTARY
 from duhem.expression.parse import parse_expression
 from duhem.expression.text import formula
 from duhem.law.domain import REAL
@@ -140,8 +141,9 @@ def dissipation_by_shares(subject: FormulaSubject) -> Iterator[Evidence]:
         return
     forces, settled = law.force_symbols(), law.settled()
     g, power = (_without_signs(x.xreplace(settled)) for x in (law.g, subject.power(law.flow)))
-    open_powers = (p for p in sp.ordered((g + power).atoms(sp.Pow)) if p.exp.free_symbols and p.base.has(*forces))
-    named = {p: sp.Dummy(positive=True) for p in open_powers}  # each as a force of its own
+    open_powers = {p for p in (g + power).atoms(sp.Pow) if p.exp.free_symbols and p.base.has(*forces)}
+    words = {x for x in (g + power).atoms(sp.Function) if x.func.__name__ in ELEMENTARY and x.has(*forces)}
+    named = {x: sp.Dummy(real=True, positive=x.is_Pow or None) for x in sp.ordered(open_powers | words)}  # each as a force of its own
     g, power, forces = g.xreplace(named), power.xreplace(named), (*forces, *named.values())
     radicands = _radicands(g + power, forces)
     roots = {y: sp.Dummy(f"r{i}", positive=True) for i, y in enumerate(radicands)}
