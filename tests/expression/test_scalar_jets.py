@@ -12,7 +12,8 @@ from duhem.errors import InputError
 from duhem.expression import WORDS, symbol
 from duhem.expression.jets import formula
 from duhem.expression.parse import parse_expression
-from duhem.expression.scalar_jets import FUNCTIONS, scalar_jets
+from duhem.expression.scalar_bounds import FUNCTIONS
+from duhem.expression.scalar_jets import scalar_jets
 from tests.expression.text_as_functions import named
 
 FORCES = tuple(map(symbol, "abc"))
