@@ -461,7 +461,7 @@ class Axes:
         tiny = np.finfo(np.float64).tiny  # where all three are equal, those of A and of -A have half of the outermost pair each
         limits = (by.bend * (nearest + tiny) / (outermost + 2 * tiny), by.bend)
         pairs = zip(limits, self.gaps, strict=True)
-        return [np.where(kink, np.nan, np.where(smooth, limit, 2 * by.rate / gap)) for limit, gap in pairs]
+        return [np.where(kink, np.nan, np.where(smooth, limit, 2.0 * by.rate / gap)) for limit, gap in pairs]
 
 
 def _eigmax(_: Any, index: int, noted: _Met, *entries: Jet) -> Jet:

@@ -27,6 +27,7 @@ __all__ = ["TABLE", "ScalarJets", "scalar_jets", "scalar_values"]
 
 _NAME = re.compile(r"\bt\d+\b")
 _MOST_SQUARINGS = 64  # a whole exponent up to this is multiplied out
+_MEAN = 0.707106781186548  # 1/sqrt(2) of each of two axes, rounded up: a normal at the very end of an edge is still one of it
 
 
 @dataclass(frozen=True)
@@ -214,8 +215,8 @@ def _eigenvalue(node: Any, _: int, text: _Text, *entries: Jet) -> Jet:
         return weighted(top, form(n, n), entries)
     shift, c = len(text.shifted), text.number("c")
     paired = c.let(f"natural == {2 + shift}", truth=True)
-    mixed = np.where(paired, np.where(c == 0, 0.0, np.where(c == 1, 1.0, 0.5**0.5)), 0.0)
-    kept = np.where(paired, np.where(c == 0, 1.0, np.where(c == 1, 0.0, 0.5**0.5)), 1.0)
+    mixed = np.where(paired, np.where(c == 0, 0.0, np.where(c == 1, 1.0, _MEAN)), 0.0)
+    kept = np.where(paired, np.where(c == 0, 1.0, np.where(c == 1, 0.0, _MEAN)), 1.0)
     axis = [kept * a + mixed * b for a, b in zip(n, middle, strict=True)]
     value = kept * kept * top + mixed * mixed * second
     gaps = value - last, np.where(paired, np.inf, value - second)
