@@ -8,11 +8,13 @@ is what Newton's method at a corner needs, and one-sided gradients at a seam are
 
 Second derivatives of a ``strict`` program are those of the formula itself at zeros of norms too, and nan where it has none there or
 where eigenvalues are equal; else, and then at less cost, a norm at its zero is followed as a constant.
+
+The rows are also run over names in place of arrays (:mod:`duhem.expression.scalar_jets`), so that each derivative stands here alone.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache, partial, reduce
 from itertools import combinations, count
@@ -202,21 +204,13 @@ def program(expr: sp.Basic, symbols: tuple[sp.Symbol, ...]) -> Program:
 @lru_cache(maxsize=256)
 def _compiled(expr: sp.Expr, order: tuple[sp.Symbol, ...], strict: bool) -> JetProgram:
     rows = {**TABLE, **_AT_ZERO} if strict else TABLE
-    kinks, shifts, recording = steps(expr, order, rows, (EigMax, *_AT_ZERO) if strict else (EigMax,), _constant)
-    return JetProgram(kinks, shifts, strict, recording)
+    return made_of(rows, expr, order, lambda node: partial(same, Jet(np.array(numpy_.constant(node)))), strict)
 
 
-def _constant(node: Any) -> Callable[..., Jet]:
-    return partial(same, Jet(np.array(numpy_.constant(node))))
-
-
-def steps(
-    expr: sp.Basic, order: tuple[sp.Symbol, ...], rows: Table[Jet], shifted: Collection[type], constant: Callable[[Any], Callable[..., Jet]]
-) -> tuple[int, int, Recording]:
-    """How many nodes choose a piece and how many have a shift, and the steps of ``rows``, told what is noted.
-
-    Rows of nodes that choose a piece or are ``shifted`` are given their number and what is noted before their arguments.
-    """
+def made_of(
+    rows: Table[Jet], expr: sp.Basic, order: tuple[sp.Symbol, ...], constant: Callable[[Any], Callable[..., Jet]], strict: bool = False
+) -> JetProgram:
+    """The program of these ``rows``; the row of a node that chooses a piece or has a shift takes its number and what is noted first."""
     met, shifts = count(), count()
 
     def smooth(row: Callable[..., Jet]) -> Callable[[Any], Callable[..., Jet]]:
@@ -226,9 +220,9 @@ def steps(
         return lambda node: partial(row, node, next(numbers))
 
     table = {kind: numbered(row, met) if kind in KINKED else smooth(row) for kind, row in rows.items()}
-    table |= {kind: numbered(rows[kind], shifts) for kind in shifted}
+    table |= {kind: numbered(rows[kind], shifts) for kind in (EigMax, *(_AT_ZERO if strict else ()))}
     recording = recorded(recognised(expr), order, table, constant)
-    return next(met), next(shifts), recording
+    return JetProgram(next(met), next(shifts), strict, recording)
 
 
 def _sum(a: Jet, b: Jet) -> Jet:
@@ -284,7 +278,7 @@ def _p_norm(p: float, value: Any, args: tuple[Jet, ...], turning: bool = True) -
         steep = [np.power(np.maximum(share, _TINY), p - 2) for share in shares]
         slopes = [part * s for part, s in zip(parts, steep, strict=True)]
     if p < 2.0:  # which says more of a small share
-        slopes = [np.copysign(np.power(share, p - 1), part) for part, share in zip(parts, shares, strict=True)]
+        slopes = [np.sign(part) * np.power(share, p - 1) for part, share in zip(parts, shares, strict=True)]
     jet = weighted(value, slopes, args)
     if jet.order == 1:
         return jet
@@ -359,7 +353,7 @@ _NOTHING = 1e-10  # of the argument's size: a norm, or a gap between eigenvalues
 
 
 @dataclass(frozen=True)
-class Shifted:
+class ByShift:
     """Of a formula f in one shift, (N,): f' and f'', the ``size`` of the argument and the formula's slope by the argument."""
 
     rate: Any
@@ -390,7 +384,7 @@ def _finished(noted: Mapping[int, _ShiftedNorm | Axes], gradient: Array, hessian
     for index in sorted(noted, reverse=True):  # a node inside another is met before it
         node = noted[index]
         rate, bend, steepness = gradient[:, d + index], hessian[:, d + index, d + index], node.steepness
-        by = Shifted(rate, bend, steepness * size_of_forces, slope / steepness)
+        by = ByShift(rate, bend, steepness * size_of_forces, slope / steepness)
         hessian = hessian + np.where(by.used[:, None, None], node.bends(by, strict), 0.0)
     return hessian
 
@@ -411,7 +405,7 @@ class _ShiftedNorm:
     steepness: Array
     round: bool
 
-    def bends(self, by: Shifted, strict: bool) -> Array:
+    def bends(self, by: ByShift, strict: bool) -> Array:
         """Of a norm that is not round only what is unknown at 0: its own second derivatives are followed."""
         there = self.value <= _NOTHING * by.size
         smooth = by.vanishes_at(self.value)
@@ -450,10 +444,10 @@ class Axes:
     steepness: Any
     vanishes: Any = False
 
-    def bends(self, by: Shifted, strict: bool) -> Array:
+    def bends(self, by: ByShift, strict: bool) -> Array:
         return np.asarray(sum(outer(turn, turn, share) for share, turn in zip(self.shares(by, strict), self.turns, strict=True)))
 
-    def shares(self, by: Shifted, strict: bool = False) -> list[Any]:
+    def shares(self, by: ByShift, strict: bool = False) -> list[Any]:
         """What each turn counts."""
         outermost, nearest = self.gaps
         smooth = by.vanishes_at(0.5 * nearest)

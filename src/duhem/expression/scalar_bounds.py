@@ -39,7 +39,7 @@ _SIGNS = {np.add: "+", np.subtract: "-", np.multiply: "*", np.true_divide: "/", 
 _FORMS: Mapping[np.ufunc, str] = {
     **{ufunc: f"{{0}} {sign} {{1}}" for ufunc, sign in _SIGNS.items()},
     np.absolute: "abs({0})", np.negative: "-{0}", np.square: "{0} * {0}", np.invert: "not {0}",
-    np.copysign: "{0} if {1} >= 0.0 else -{0}",
+    np.copysign: "{0} if {1} >= 0.0 else -{0}", np.sign: "float({0} > 0.0) - float({0} < 0.0)",
 }  # fmt: skip
 _NORMAL = 2.0**-1022
 _TRUTHS = {*_TRUE_OR_NOT, np.invert, np.isnan, np.isfinite}

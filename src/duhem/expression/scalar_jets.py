@@ -1,8 +1,8 @@
 """A formula with its gradient and Hessian as straight lines of Python over numbers, for a compiler to make a loop of.
 
-The rows of :mod:`duhem.expression.jets` are run over names in place of arrays: what they would compute is written down, entries that are
-0 are left out.  Numbers are doubles; where the formula is undefined they are nan or infinite.  What text has for itself is a norm's
-scaling, powers by few operations, and a greatest eigenvalue, whose axes are found by :mod:`duhem.expression.principal_axes`.
+The rows of :mod:`duhem.expression.jets` are run over names in place of arrays: what they would compute is written down, and entries that
+are 0 are left out.  Numbers are doubles; where the formula is undefined they are nan or infinite.  What text has for itself are powers by
+few operations, the choice of a maximum, and a greatest eigenvalue, whose axes are found by :mod:`duhem.expression.principal_axes`.
 """
 
 from __future__ import annotations
@@ -17,8 +17,8 @@ import numpy as np
 import sympy as sp
 
 from duhem.expression import jets, numpy_
-from duhem.expression.fold import Recording, Table
-from duhem.expression.jets import Axes, Entries, Jet, Shifted, added, form, outer, steepness, total, weighted
+from duhem.expression.fold import Table
+from duhem.expression.jets import Axes, ByShift, Entries, Jet, JetProgram, added, form, outer, steepness, total, weighted
 from duhem.expression.pnorm import PNorm
 from duhem.expression.scalar_bounds import Name, statements
 from duhem.expression.vocabulary import EigMax, Norm
@@ -56,27 +56,22 @@ class ScalarJets:
 def scalar_jets(expr: sp.Expr, forces: Sequence[sp.Symbol], others: Sequence[sp.Symbol]) -> ScalarJets:
     """``expr`` differentiated in the ``forces``.  InputError for what has no text: a norm whose exponent is open."""
     numbers, d = dict[float, int](), range(len(forces))
-    kinks, _, recording = _steps(expr, forces, others)
+    program = _program(expr, (*forces, *others))
 
-    def written(order: int, named: bool = False, of_pair: bool = False) -> tuple[_Text, Jet]:
-        text = _Text(numbers, len(others), len(forces), named, of_pair)
-        slopes = [Entries({i: jets.ONE}) if order else None for i in d]
-        return text, text.run(recording, [Jet(text.number(f"v[x, {i}]"), slope, order=order) for i, slope in zip(d, slopes, strict=True)])
+    def made(head: str, order: int, end: str = "return {value}", named: bool = False, of_pair: bool = False) -> tuple[_Text, str]:
+        text = _Text(numbers, len(others), len(d), named, of_pair)
+        given = [Jet(text.number(f"v[x, {i}]"), Entries({i: jets.ONE}) if order else None, order=order) for i in d]
+        jet = text.run(program, given)
+        slopes, bends = (part.of if part else {} for part in (jet.gradient, text.finished(jet)))
+        ends = [f"v[slopes, {i}] = {slopes.get(i, 0.0)}" for i in d if order]
+        ends += [f"m[bends, {i}, {j}] = {bends.get((min(i, j), max(i, j)), 0.0)}" for i in d for j in d if order == 2]
+        return text, text.function(head, [*ends, end.format(value=jet.value)])
 
-    def first_order(head: str, of_pair: bool) -> str:
-        text, jet = written(1, of_pair=of_pair)
-        return text.function(head, [*_slopes(jet, d), f"    return {jet.value}" if of_pair else "    return"])
-
-    text, jet = written(0)
-    level = text.function("def level(v, x, q):", [f"    return {jet.value}"])
-    whole, jet = written(2, named=True, of_pair=True)
-    bent = whole.finished(jet)
-    bends = [f"    m[bends, {i}, {j}] = {bent.of.get((min(i, j), max(i, j)), 0.0)}" for i in d for j in d]
-    ends = [*_slopes(jet, d), *bends, f"    return {jet.value}"]
-    piece = whole.function("def piece(v, x, q, natural, choices, c, slopes, m, bends):", ends)
-    gradient = first_order("def gradient(v, x, q, slopes):", of_pair=False)
-    pair_piece = first_order("def pair_piece(v, x, q, natural, c, slopes):", of_pair=True) if whole.shifted else ""
-    return ScalarJets(level, gradient, pair_piece, piece, kinks, len(whole.shifted), tuple(numbers))
+    _, level = made("level(v, x, q)", 0)
+    _, gradient = made("gradient(v, x, q, slopes)", 1, "return")
+    whole, piece = made("piece(v, x, q, natural, choices, c, slopes, m, bends)", 2, named=True, of_pair=True)
+    pair_piece = made("pair_piece(v, x, q, natural, c, slopes)", 1, of_pair=True)[1] if whole.shifted else ""
+    return ScalarJets(level, gradient, pair_piece, piece, program.kinks, len(whole.shifted), tuple(numbers))
 
 
 def scalar_values(name: str, exprs: Sequence[sp.Basic], others: Sequence[sp.Symbol]) -> tuple[str, tuple[float, ...]]:
@@ -85,18 +80,12 @@ def scalar_values(name: str, exprs: Sequence[sp.Basic], others: Sequence[sp.Symb
     ``q``: numbers of the ``others``, then the constants.  A comparison is 1 or 0.  InputError for a word without a row here.
     """
     text = _Text({}, len(others))
-    found = [text.run(_steps(expr, (), others)[2], []).value for expr in exprs]
-    ends = [f"    out[{k}] = {value}" for k, value in enumerate(found)]
-    return text.function(f"def {name}(q, out):", [*ends, "    return"]), tuple(text.numbers)
+    found = [text.run(_program(expr, tuple(others)), []).value for expr in exprs]
+    return text.function(f"{name}(q, out)", [*(f"out[{k}] = {value}" for k, value in enumerate(found)), "return"]), tuple(text.numbers)
 
 
-def _steps(expr: sp.Basic, forces: Sequence[sp.Symbol], others: Sequence[sp.Symbol]) -> tuple[int, int, Recording]:
-    return jets.steps(expr, (*forces, *others), TABLE, (EigMax,), lambda node: lambda text: text.constant(node))
-
-
-def _slopes(jet: Jet, forces: Sequence[int]) -> list[str]:
-    slopes = (jet.gradient or Entries({})).of
-    return [f"    v[slopes, {i}] = {slopes.get(i, 0.0)}" for i in forces]
+def _program(expr: sp.Basic, symbols: tuple[sp.Symbol, ...]) -> JetProgram:
+    return jets.made_of(TABLE, expr, symbols, lambda node: lambda text: text.constant(node))
 
 
 class _Number(Name):
@@ -152,10 +141,10 @@ class _Text:
             return Jet(value)
         return Jet(self.number(f"q[{self.others + self.numbers.setdefault(float(value), len(self.numbers))}]"))
 
-    def run(self, recording: Recording, forces: Sequence[Jet]) -> Jet:
+    def run(self, program: JetProgram, forces: Sequence[Jet]) -> Jet:
         """What the formula is, once the lines so far have run."""
         with np.errstate(all="ignore"):
-            jet: Jet = recording.value([*forces, *(Jet(self.number(f"q[{k}]")) for k in range(self.others))], self)
+            jet: Jet = program.recording.value([*forces, *(Jet(self.number(f"q[{k}]")) for k in range(self.others))], self)
         return jet
 
     def function(self, head: str, ends: Sequence[str]) -> str:
@@ -165,7 +154,7 @@ class _Text:
             if not name or name in needed:
                 needed.update(_NAME.findall(text))
                 kept[text] = name
-        return "\n".join([head, *statements(dict(reversed(kept.items()))), *ends])
+        return "\n".join([f"def {head}:", *statements({**dict(reversed(kept.items())), **dict.fromkeys(ends, "")})])
 
     def choose(self, index: int, natural: Any) -> Any:
         """The piece that is followed at a kink; ``natural`` is the number of the one that holds."""
@@ -191,7 +180,7 @@ class _Text:
         for shift, axes in reversed(list(enumerate(self.shifted, self.d))):  # one inside another is met before it
             rate, bend = gradient.of.get(shift, 0.0), hessian.of.get((shift, shift), 0.0)
             size = axes.steepness * _length([self.number(f"v[x, {i}]") for i in forces])
-            by = Shifted(rate, bend, size, _length(slopes) / axes.steepness)
+            by = ByShift(rate, bend, size, _length(slopes) / axes.steepness)
             for share, turn in zip(axes.shares(by), axes.turns, strict=True):
                 if turn is not None:
                     hessian = added(hessian, outer(turn, turn, np.where(by.used, share, 0.0)))

@@ -144,7 +144,7 @@ class BoundaryScout:
     def gradient(self) -> Any:
         """Of g at the boundary points."""
         others = self._names[len(self.forces) :]
-        jet, _ = formula(self.subject.formula_at(self.parameters), self.forces, others)(self.boundary, self._rows.T, second=False)
+        jet, _ = formula(self.subject.formula_at(self.parameters), self.forces, others)(self.boundary, list(self._rows.T), second=False)
         return jet.gradient
 
     def far_targets(self) -> Iterator[tuple[Exit, Point]]:
