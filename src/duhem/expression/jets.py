@@ -292,13 +292,13 @@ def _p_norm(p: float, value: Any, args: tuple[Jet, ...], turning: bool = True) -
 
 
 def _abs(_: Any, index: int, noted: _Met, x: Jet) -> Jet:
-    return _multiple(1.0 * noted.choose(index, np.where(x.value < 0, -1, 1)), x)
+    return _multiple(np.where(noted.choose(index, np.where(x.value < 0, -1, 1)) == 1, 1.0, -1.0), x)
 
 
 def _ramp(node: Any, index: int, noted: _Met, x: Jet) -> Jet:
     # at 0 the piece beyond it, for pos and neg alike: where both took the zero piece, their law would lose its curvature
     beyond = x.value >= 0 if node.slope > 0 else x.value < 0
-    return _multiple(float(node.slope) * noted.choose(index, np.where(beyond, 1, 0)), x)
+    return _multiple(np.where(noted.choose(index, np.where(beyond, 1, 0)) == 1, float(node.slope), 0.0), x)
 
 
 def _multiple(slope: Any, x: Jet) -> Jet:

@@ -23,7 +23,7 @@ from duhem.expression.fold import Table, bound, recorded
 from duhem.expression.pnorm import recognised
 from duhem.expression.vocabulary import EigMax
 
-__all__ = ["FUNCTIONS", "TABLE", "Name", "ScalarBounds", "scalar_bounds"]
+__all__ = ["FUNCTIONS", "TABLE", "Name", "ScalarBounds", "scalar_bounds", "statements"]
 
 FUNCTIONS = (
     "arctan2", "expm1", "hypot", "inf", "isfinite", "isnan", "log1p", "maximum", "minimum", "nan", "sqrt",

@@ -160,8 +160,9 @@ class _Text:
         """The piece that is followed at a kink; ``natural`` is the number of the one that holds."""
         if not self.named:
             return natural
-        self.lines[f"if natural: choices[c, {index}] = {natural}"] = ""
-        return self.number(f"choices[c, {index}]").let(f"choices[c, {index}]")
+        said = (text for text, name in reversed(self.lines.items()) if name == str(natural))  # worked out only where it is asked for
+        self.lines[f"if natural: choices[c, {index}] = {next(said, natural)}"] = ""
+        return self.number("").let(f"choices[c, {index}]")
 
     def frame(self, node: Any, entries: Sequence[Jet]) -> tuple[str, bool]:
         """The name of eigenvalues and axes, and whether they are those of the matrix, not of its negative."""
