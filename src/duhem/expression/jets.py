@@ -275,7 +275,7 @@ def _p_norm(p: float, value: Any, args: tuple[Jet, ...], turning: bool = True) -
     slopes = parts = [np.copysign(x, a.value) for a, x in zip(args, shares, strict=True)]
     steep: list[Any] = [1.0] * len(parts)
     if p != 2.0:
-        steep = [np.power(np.maximum(share, _TINY), p - 2) for share in shares]
+        steep = [np.power(share if p > 2.0 else np.maximum(share, _TINY), p - 2) for share in shares]
         slopes = [part * s for part, s in zip(parts, steep, strict=True)]
     if p < 2.0:  # which says more of a small share
         slopes = [np.sign(part) * np.power(share, p - 1) for part, share in zip(parts, shares, strict=True)]
