@@ -12,7 +12,8 @@ from duhem.errors import InputError
 from duhem.expression import WORDS, symbol
 from duhem.expression.jets import formula
 from duhem.expression.parse import parse_expression
-from duhem.expression.scalar_jets import FUNCTIONS, scalar_jets
+from duhem.expression.scalar_bounds import FUNCTIONS
+from duhem.expression.scalar_jets import scalar_jets
 from tests.expression.text_as_functions import named
 
 FORCES = tuple(map(symbol, "abc"))
@@ -85,6 +86,22 @@ def test_a_piece_is_followed_beyond_its_own_region(text: str) -> None:
     value = piece(v, 0, q, False, choices, 0, 1, m, 0)
     named = {"abs(a) + pos(b) - neg(c)": beyond[0] + beyond[1] + beyond[2], "max(a, b**2, c)": beyond[0], "where(a > 0, a*b, b - c)": 2.6}
     assert value == pytest.approx(named[text])
+
+
+@pytest.mark.parametrize("text", TEXTS)
+def test_nothing_is_computed_twice_or_times_one(text: str) -> None:
+    found = scalar_jets(parse_expression(text, KNOWN), FORCES, (LOAD,))
+    for function in (found.level, found.gradient, found.pair_piece, found.piece):
+        said = [line.partition(" = ")[2] for line in function.splitlines() if line.startswith("    t")]
+        assert len(set(said)) == len(said) and not any("(1.0) *" in line or "* (1.0)" in line for line in said)
+
+
+@pytest.mark.parametrize("text", ["norm(a, b) - c", "(abs(a)**3 + abs(b)**3)**(1/3)", "(abs(a)**1.5 + abs(b)**1.5)**(1/1.5)"])
+def test_a_norm_is_infinite_where_a_force_is_and_keeps_the_size_of_others(text: str) -> None:
+    g = parse_expression(text, KNOWN)
+    level, _, _, numbers = _functions(g)
+    for size, expected in ((np.inf, np.inf), (1e300, 1e300), (1e-300, 1e-300)):
+        assert level(np.array([[-size, 0.0, 0.0]]), 0, np.array([1.0, *numbers])) == pytest.approx(expected, rel=1e-14)
 
 
 def test_what_has_no_derivatives_as_text_is_refused() -> None:

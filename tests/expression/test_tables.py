@@ -286,13 +286,13 @@ def test_a_recording_is_the_fold() -> None:
 
 def test_a_name_that_is_written_over_is_another_name() -> None:
     """As a number is: what else has the old name keeps its value; an array to write into is refused."""
-    lines: list[str] = []
+    lines: dict[str, str] = {}
     first = Name(lines, "x")
     then = first
     then += 1.0
     then *= first
     known: dict[str, float] = {"x": 2.0}
-    exec("\n".join(line.strip() for line in lines), known)
+    exec("\n".join(f"{name} = {text}" for text, name in lines.items()), known)
     assert then is not first and known[then.name] == 6.0 and known[first.name] == 2.0
     with pytest.raises(TypeError):
         np.add(first, 1.0, out=then)

@@ -10,7 +10,8 @@ import sympy as sp
 
 from duhem.expression import principal_axes
 from duhem.expression.elementary import array_function
-from duhem.expression.scalar_jets import FUNCTIONS, scalar_jets
+from duhem.expression.scalar_bounds import FUNCTIONS
+from duhem.expression.scalar_jets import scalar_jets
 
 __all__ = ["as_functions", "named"]
 

@@ -125,7 +125,9 @@ def test_for_any_stiffness_no_point_of_k_is_beyond_the_slip(name: str) -> None:
 
 
 def _flatter(text: str) -> str:
-    changed, count = re.subn(r"2\.0 \* (t\d+) / ", r"1.0 * \1 / ", text)
+    changed, count = re.subn(
+        r"(t\d+) = \(2\.0\)(?= \* t\d+\n(?:.*\n)*?.* = \1 / )|2\.0(?=\) / )", lambda m: m[0].replace("2.0", "1.0"), text
+    )
     assert count
     return changed
 
@@ -151,7 +153,7 @@ def test_second_derivatives_are_those_of_differences_in_many_digits(name: str, g
 
     def second(edit: Edit) -> float:
         text = scalar_jets(g, forces, ())
-        space = named(*("sqrt", "nan"))
+        space = named("sqrt", "nan", "inf")
         exec(edit(text.piece), space)
         v, m = np.array([at, np.zeros(6)]), np.zeros((1, 6, 6))
         space["piece"](v, 0, np.array(text.constants), 1, np.zeros((1, text.kinks), dtype=np.int8), 0, 1, m, 0)

@@ -14,7 +14,7 @@ from duhem.errors import InputError
 from duhem.export import increment_kernel
 from duhem.export.c_translation import Array, c_functions
 from duhem.expression import UNDEFINED
-from duhem.expression.scalar_bounds import Name
+from duhem.expression.scalar_bounds import Name, statements
 from duhem.expression.scalar_jets import scalar_jets, scalar_values
 from duhem.law.formula_law import Criterion
 from duhem.law.shapes import Disk, Quadrants
@@ -145,10 +145,10 @@ def _on_ellipse() -> list[str]:
 
 def _lines(name: str, formula: Callable[..., Any], given: Sequence[str]) -> str:
     """A formula over numbers that fills ``seen`` with what it returns."""
-    lines: list[str] = []
+    lines: dict[str, str] = {}
     found = formula(*(Name(lines, one) for one in given))
     ends = [f"seen[{k}] = {one.name}" for k, one in enumerate(found if isinstance(found, tuple) else (found,))]
-    return function_text(f"{name}({', '.join(f'{one}: float' for one in given)}, seen)", [*map(str.strip, lines), *ends])
+    return function_text(f"{name}({', '.join(f'{one}: float' for one in given)}, seen)", [*map(str.strip, statements(lines)), *ends])
 
 
 def conditions(law: Criterion, settled: Mapping[sp.Symbol, sp.Expr], names: Sequence[str]) -> list[sp.Basic]:

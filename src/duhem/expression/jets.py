@@ -8,6 +8,8 @@ is what Newton's method at a corner needs, and one-sided gradients at a seam are
 
 Second derivatives of a ``strict`` program are those of the formula itself at zeros of norms too, and nan where it has none there or
 where eigenvalues are equal; else, and then at less cost, a norm at its zero is followed as a constant.
+
+The rows are also run over names in place of arrays (:mod:`duhem.expression.scalar_jets`), so that each derivative stands here alone.
 """
 
 from __future__ import annotations
@@ -35,14 +37,17 @@ __all__ = ["KINKED", "ROUNDING", "STEEPEST", "TABLE", "Choices", "Jet", "JetProg
 Array = NDArray[np.float64]
 
 
-_ONE = np.ones(())
+ONE = np.ones(())
 
 
 @dataclass(frozen=True)
-class _Columns:
-    """A gradient of which only some columns (N,) are not zero, by their places; that of a force itself is ``_ONE``."""
+class Entries:
+    """A gradient of which only some columns (N,) are not zero, by their places i; that of a force itself is ``ONE``.
 
-    of: Mapping[int, Any]
+    Or a Hessian, by the places (i, j) with i <= j: of it the other half says nothing new.
+    """
+
+    of: Mapping[Any, Any]
 
     def dense(self, n: int, d: int) -> Array:
         """The gradient (n, d), column by column in memory."""
@@ -54,11 +59,14 @@ class _Columns:
 
 @dataclass(frozen=True)
 class Jet:
-    """``value`` (N,), ``gradient`` (N, d) and ``hessian`` (N, d, d); None stands for zero.  ``order`` 1: no hessian is followed."""
+    """``value`` (N,), ``gradient`` (N, d) and ``hessian`` (N, d, d); None stands for zero.  ``order`` 1: no hessian is followed.
 
-    value: Array
+    A row that is run for a text has names in place of arrays, in :class:`Entries`.
+    """
+
+    value: Any
     gradient: Any = None
-    hessian: Array | None = None
+    hessian: Any = None
     order: int = 2
 
 
@@ -66,18 +74,23 @@ def times(factor: Any, array: Any) -> Any:
     """``factor`` (N,) or a number times an array (N, ...)."""
     if array is None:
         return None
-    if isinstance(array, _Columns):
-        return _Columns({i: factor if column is _ONE else factor * column for i, column in array.of.items()})
-    f = np.asarray(factor)
-    return f.reshape(f.shape + (1,) * (array.ndim - f.ndim)) * array if f.ndim else f * array
+    if isinstance(array, Entries):
+        return Entries({i: factor if column is ONE else factor * column for i, column in array.of.items()})
+    return _along(factor, array) * array
+
+
+def _along(factor: Any, array: Any) -> Any:
+    """``factor`` (N,) or a number as what meets an array (N, ...)."""
+    own = getattr(factor, "ndim", 0)
+    return factor.reshape(factor.shape + (1,) * (np.ndim(array) - own)) if own else factor
 
 
 def added(first: Any, second: Any) -> Any:
     """The sum, where None is zero."""
     if first is None or second is None:
         return second if first is None else first
-    if isinstance(first, _Columns):
-        return _Columns({**first.of, **{i: first.of[i] + column if i in first.of else column for i, column in second.of.items()}})
+    if isinstance(first, Entries):
+        return Entries({**first.of, **{i: first.of[i] + column if i in first.of else column for i, column in second.of.items()}})
     return first + second
 
 
@@ -86,9 +99,12 @@ def total(factors: Iterable[Any], arrays: Iterable[Any]) -> Any:
     return reduce(added, map(times, factors, arrays))
 
 
-def outer(first: Array, second: Array) -> Array:
-    """a b^T (N, d, d)."""
-    return first[:, :, None] * second[:, None, :]
+def outer(first: Any, second: Any, factor: Any = ONE) -> Any:
+    """a b^T (N, d, d) times ``factor`` (N,) or a number; of entries the half that is kept."""
+    if isinstance(first, Entries):
+        return Entries({(i, j): a * b for i, a in times(factor, first).of.items() for j, b in second.of.items() if i <= j})
+    product = first[:, :, None] * second[:, None, :]
+    return product if factor is ONE else times(factor, product)
 
 
 def chain(x: Jet, value: Any, slope: Any, curvature: Callable[[], Any]) -> Jet:
@@ -98,7 +114,7 @@ def chain(x: Jet, value: Any, slope: Any, curvature: Callable[[], Any]) -> Jet:
     gradient = times(slope, x.gradient)
     if x.order == 1:
         return Jet(value, gradient, None, 1)
-    return Jet(value, gradient, added(times(slope, x.hessian), times(curvature(), outer(x.gradient, x.gradient))))
+    return Jet(value, gradient, added(times(slope, x.hessian), outer(x.gradient, x.gradient, curvature())))
 
 
 def least_order(jets: Sequence[Jet]) -> int:
@@ -116,8 +132,7 @@ def bent(jet: Jet, a: Any, b: Any) -> Jet:
     """The jet with a b^T + b a^T added to its second derivatives, if these are followed."""
     if jet.order == 1 or a is None or b is None:
         return jet
-    cross = outer(a, b)
-    return replace(jet, hessian=added(jet.hessian, cross + np.swapaxes(cross, 1, 2)))
+    return replace(jet, hessian=added(jet.hessian, added(outer(a, b), outer(b, a))))
 
 
 Choices = NDArray[np.int8]
@@ -132,14 +147,14 @@ class _Met:
         self.given = given
         self.taken = np.zeros((kinks, size), dtype=np.int8).T if given is None else given
         self.shifts = shifts
-        self.shifted: dict[int, _ShiftedNorm | _Axes] = {}
+        self.shifted: dict[int, _ShiftedNorm | Axes] = {}
 
     def choose(self, index: int, natural: NDArray[Any]) -> NDArray[Any]:
         if self.given is None:
             self.taken[:, index] = natural
         return self.taken[:, index]
 
-    def with_shift(self, jet: Jet, index: int, node: _ShiftedNorm | _Axes) -> Jet:
+    def with_shift(self, jet: Jet, index: int, node: _ShiftedNorm | Axes) -> Jet:
         """The ``jet`` of a node with its shift, a variable of its own; what the node adds is left to :func:`_finished`."""
         self.shifted[index] = node
         return replace(jet, gradient=jet.gradient + np.eye(jet.gradient.shape[1])[index - self.shifts])
@@ -160,7 +175,7 @@ class JetProgram:
         size = d + self.shifts if second else d
         noted = _Met(choices, n, self.kinks, self.shifts)
         order = 2 if second else 1
-        columns, units = np.ascontiguousarray(forces.T), [_Columns({i: _ONE}) for i in range(d)]
+        columns, units = np.ascontiguousarray(forces.T), [Entries({i: ONE}) for i in range(d)]
         slopes = [unit.dense(n, size) for unit in units] if second else units  # column by column in memory, and so is what comes of them
         given = [Jet(column, slope, None, order) for column, slope in zip(columns, slopes, strict=True)]
         given += [Jet(v, order=order) for v in others]
@@ -168,7 +183,7 @@ class JetProgram:
             last = self.recording.value(given, noted)
             value = np.broadcast_to(last.value, (n,))
             if not second:
-                return Jet(value, (last.gradient or _Columns({})).dense(n, d)), noted.taken
+                return Jet(value, (last.gradient or Entries({})).dense(n, d)), noted.taken
             gradient = np.zeros((n, size)) if last.gradient is None else last.gradient
             hessian = np.zeros((n, size, size)) if last.hessian is None else last.hessian
             hessian = _finished(noted.shifted, gradient, hessian, forces, self.strict)
@@ -188,6 +203,14 @@ def program(expr: sp.Basic, symbols: tuple[sp.Symbol, ...]) -> Program:
 
 @lru_cache(maxsize=256)
 def _compiled(expr: sp.Expr, order: tuple[sp.Symbol, ...], strict: bool) -> JetProgram:
+    rows = {**TABLE, **_AT_ZERO} if strict else TABLE
+    return made_of(rows, expr, order, lambda node: partial(same, Jet(np.array(numpy_.constant(node)))), strict)
+
+
+def made_of(
+    rows: Table[Jet], expr: sp.Basic, order: tuple[sp.Symbol, ...], constant: Callable[[Any], Callable[..., Jet]], strict: bool = False
+) -> JetProgram:
+    """The program of these ``rows``; the row of a node that chooses a piece or has a shift takes its number and what is noted first."""
     met, shifts = count(), count()
 
     def smooth(row: Callable[..., Jet]) -> Callable[[Any], Callable[..., Jet]]:
@@ -196,10 +219,9 @@ def _compiled(expr: sp.Expr, order: tuple[sp.Symbol, ...], strict: bool) -> JetP
     def numbered(row: Callable[..., Jet], numbers: Iterator[int]) -> Callable[[Any], Callable[..., Jet]]:
         return lambda node: partial(row, node, next(numbers))
 
-    rows = {**TABLE, **_AT_ZERO} if strict else TABLE
     table = {kind: numbered(row, met) if kind in KINKED else smooth(row) for kind, row in rows.items()}
-    table |= {kind: numbered(row, shifts) for kind, row in rows.items() if row in _SHIFTED}
-    recording = recorded(recognised(expr), order, table, lambda node: partial(same, Jet(np.array(numpy_.constant(node)))))
+    table |= {kind: numbered(rows[kind], shifts) for kind in (EigMax, *(_AT_ZERO if strict else ()))}
+    recording = recorded(recognised(expr), order, table, constant)
     return JetProgram(next(met), next(shifts), strict, recording)
 
 
@@ -216,11 +238,10 @@ def _power(node: Any, base: Jet, exponent: Jet) -> Jet:
         return _elementary(ELEMENTARY["exp"], _product(exponent, _elementary(ELEMENTARY["log"], base)))
     e, b = exponent.value, base.value
     if node.exp == 2:
-        return chain(base, np.square(b), 2.0 * b, lambda: np.full_like(b, 2.0))
+        return chain(base, np.square(b), 2.0 * b, lambda: 2.0)
     if base.gradient is None:
         return Jet(np.power(b, e))
-    slope = e * np.power(b, e - 1) if node.exp != 1 else np.ones_like(b)
-    return chain(base, np.power(b, e), slope, lambda: e * (e - 1) * np.power(b, e - 2))
+    return chain(base, np.power(b, e), e * np.power(b, e - 1), lambda: e * (e - 1) * np.power(b, e - 2))
 
 
 def _elementary(word: Elementary, x: Jet) -> Jet:
@@ -249,65 +270,69 @@ def _pnorm(node: Any, p: Jet, *args: Jet) -> Jet:
 def _p_norm(p: float, value: Any, args: tuple[Jet, ...], turning: bool = True) -> Jet:
     """(sum |a_i|^p)^(1/p) of value P: slopes (|a_i|/P)^(p-1), second derivatives by pairs, so that they keep their sign."""
     unit = np.where(value > 0.0, value, 1.0)
-    parts = [np.clip(a.value / unit, -1.0, 1.0) for a in args]
-    shares = [np.abs(part) for part in parts] if p != 2.0 or least_order(args) > 1 else []
-    slopes = parts if p == 2.0 else [np.sign(a.value) * np.power(s, p - 1) for a, s in zip(args, shares, strict=True)]
+    one = 1.0 / unit
+    shares = [np.minimum(np.abs(a.value) / unit, 1.0) for a in args]
+    slopes = parts = [np.copysign(x, a.value) for a, x in zip(args, shares, strict=True)]
+    steep: list[Any] = [1.0] * len(parts)
+    if p != 2.0:
+        steep = [np.power(share if p > 2.0 else np.maximum(share, _TINY), p - 2) for share in shares]
+        slopes = [part * s for part, s in zip(parts, steep, strict=True)]
+    if p < 2.0:  # which says more of a small share
+        slopes = [np.sign(part) * np.power(share, p - 1) for part, share in zip(parts, shares, strict=True)]
     jet = weighted(value, slopes, args)
     if jet.order == 1:
         return jet
-    hessian, signs = jet.hessian, [np.where(a.value < 0, -1.0, 1.0) for a in args]
+    hessian = jet.hessian
     for i, j in combinations(range(len(args)), 2) if turning else ():
-        turn = total((shares[j] * signs[i], -shares[i] * signs[j]), (args[i].gradient, args[j].gradient))
-        if turn is None:
-            continue
-        weight = (p - 1) * np.power(np.maximum(shares[i], _TINY), p - 2) * np.power(np.maximum(shares[j], _TINY), p - 2) / unit
-        hessian = added(hessian, times(np.where(value > 0.0, weight, 0.0), outer(turn, turn)))
+        turn = total((parts[j], -parts[i]), (args[i].gradient, args[j].gradient))
+        if turn is not None:
+            weight = (p - 1) * steep[i] * steep[j] * one
+            hessian = added(hessian, outer(turn, turn, np.where(value > 0.0, weight, 0.0)))
     return replace(jet, hessian=hessian)
 
 
 def _abs(_: Any, index: int, noted: _Met, x: Jet) -> Jet:
-    return _multiple(noted.choose(index, np.where(x.value < 0, -1, 1)).astype(np.float64), x)
+    return _multiple(np.where(noted.choose(index, np.where(x.value < 0, -1, 1)) == 1, 1.0, -1.0), x)
 
 
 def _ramp(node: Any, index: int, noted: _Met, x: Jet) -> Jet:
     # at 0 the piece beyond it, for pos and neg alike: where both took the zero piece, their law would lose its curvature
-    slope = noted.choose(index, x.value >= 0 if node.slope > 0 else x.value < 0).astype(np.float64)
-    return _multiple(slope if node.slope == 1 else node.slope * slope, x)
+    beyond = x.value >= 0 if node.slope > 0 else x.value < 0
+    return _multiple(np.where(noted.choose(index, np.where(beyond, 1, 0)) == 1, float(node.slope), 0.0), x)
 
 
-def _multiple(slope: Array, x: Jet) -> Jet:
+def _multiple(slope: Any, x: Jet) -> Jet:
     return weighted(slope * x.value, (slope,), (x,))
 
 
 def _extreme(node: Any, index: int, noted: _Met, *args: Jet) -> Jet:
     sense = 1 if isinstance(node, sp.Max) else -1
     values = np.broadcast_arrays(*(sense * a.value for a in args))
-    return _select(noted.choose(index, np.argmax(np.stack(values), axis=0)), args)
+    return select(noted.choose(index, np.argmax(np.stack(values), axis=0)), args)
 
 
 def _where(_: Any, index: int, noted: _Met, condition: Jet, then: Jet, otherwise: Jet) -> Jet:
-    return _select(noted.choose(index, np.where(condition.value == 1.0, 0, 1)), (then, otherwise))
+    return select(noted.choose(index, np.where(condition.value == 1.0, 0, 1)), (then, otherwise))
 
 
-def _select(which: NDArray[Any], args: tuple[Jet, ...]) -> Jet:
+def select(which: Any, args: Sequence[Jet]) -> Jet:
     """The chosen argument at each point."""
-    value = np.choose(which, [a.value for a in args])
 
     def chosen(parts: list[Any]) -> Any:
         known = [p for p in parts if p is not None]
         if not known:
             return None
-        if isinstance(known[0], _Columns):
+        if isinstance(known[0], Entries):
             places = sorted({i for p in known for i in p.of})
-            return _Columns({i: chosen([None if p is None else p.of.get(i) for p in parts]) for i in places})
-        shape = which.shape + (1,) * (known[0].ndim - 1)
-        picked = np.zeros((which.size, *known[0].shape[1:]))
-        for i, part in enumerate(parts):
-            if part is not None:
-                picked = np.where(which.reshape(shape) == i, part, picked)
+            return Entries({i: chosen([None if p is None else p.of.get(i) for p in parts]) for i in places})
+        at = _along(which, known[0])
+        *others, picked = (0.0 if part is None else part for part in parts)
+        for i, part in reversed(list(enumerate(others))):
+            picked = np.where(at == i, part, picked)
         return picked
 
-    return Jet(value, chosen([a.gradient for a in args]), chosen([a.hessian for a in args]), least_order(args))
+    value, gradient, hessian = (chosen([getattr(a, name) for a in args]) for name in ("value", "gradient", "hessian"))
+    return Jet(value, gradient, hessian, least_order(args))
 
 
 # -- norms and eigenvalues with a shift ---------------------------------------------------------------------------------
@@ -328,36 +353,46 @@ _NOTHING = 1e-10  # of the argument's size: a norm, or a gap between eigenvalues
 
 
 @dataclass(frozen=True)
-class _Slope:
-    """Of a formula f in one shift, (N,): f' and f'', what f' may be off by, how much it may change over the ``size`` of the argument."""
+class ByShift:
+    """Of a formula f in one shift, (N,): f' and f'', the ``size`` of the argument and the formula's slope by the argument."""
 
-    rate: Array
-    bend: Array
-    known: Array
-    steepest: Array
-    size: Array
+    rate: Any
+    bend: Any
+    size: Any
+    slope: Any
 
-    def vanishes_at(self, distance: Array) -> NDArray[np.bool_]:
+    @property
+    def known(self) -> Any:
+        """What f' may be off by."""
+        return ROUNDING * (self.slope + np.abs(self.bend) * self.size)
+
+    @property
+    def used(self) -> Any:
+        """Another piece of the formula may have no value there."""
+        return (self.rate != 0.0) | (self.bend != 0.0)
+
+    def vanishes_at(self, distance: Any) -> Any:
         """Whether f' is f'' times the distance (N,) from where it is to vanish, up to rounding, and f'' is not as large as at a cusp."""
-        return np.asarray((np.abs(self.rate - self.bend * distance) <= self.known) & (np.abs(self.bend) * self.size <= self.steepest))
+        off = np.abs(self.rate - self.bend * distance)
+        return (off <= self.known) & (np.abs(self.bend) * self.size <= STEEPEST * self.slope)
 
 
-def _finished(noted: Mapping[int, _ShiftedNorm | _Axes], gradient: Array, hessian: Array, forces: Array, strict: bool) -> Array:
+def _finished(noted: Mapping[int, _ShiftedNorm | Axes], gradient: Array, hessian: Array, forces: Array, strict: bool) -> Array:
     """The Hessian (N, D, D) with what the shifted nodes add; the shifts come after the ``forces`` (N, d)."""
     d = forces.shape[1]
     slope, size_of_forces = length(*gradient[:, :d].T), length(*forces.T)
     for index in sorted(noted, reverse=True):  # a node inside another is met before it
         node = noted[index]
-        rate, bend, size = gradient[:, d + index], hessian[:, d + index, d + index], node.steepness * size_of_forces
-        by_argument = slope / node.steepness
-        by = _Slope(rate, bend, ROUNDING * (by_argument + np.abs(bend) * size), STEEPEST * by_argument, size)
-        used = (rate != 0.0) | (bend != 0.0)  # another piece of the formula may have no value there
-        hessian = hessian + np.where(used[:, None, None], node.bends(by, strict), 0.0)
+        rate, bend, steepness = gradient[:, d + index], hessian[:, d + index, d + index], node.steepness
+        by = ByShift(rate, bend, steepness * size_of_forces, slope / steepness)
+        hessian = hessian + np.where(by.used[:, None, None], node.bends(by, strict), 0.0)
     return hessian
 
 
-def _steepness(parts: Sequence[Jet]) -> Array:
-    return np.sqrt(sum(np.square(a.gradient).sum(axis=1) for a in parts if a.gradient is not None))
+def steepness(parts: Sequence[Jet]) -> Any:
+    """The root of the sum of the squares of all slopes."""
+    slopes = (a.gradient for a in parts if a.gradient is not None)
+    return np.sqrt(reduce(np.add, [np.square(column) for g in slopes for column in (g.of.values() if isinstance(g, Entries) else g.T)]))
 
 
 @dataclass(frozen=True)
@@ -370,7 +405,7 @@ class _ShiftedNorm:
     steepness: Array
     round: bool
 
-    def bends(self, by: _Slope, strict: bool) -> Array:
+    def bends(self, by: ByShift, strict: bool) -> Array:
         """Of a norm that is not round only what is unknown at 0: its own second derivatives are followed."""
         there = self.value <= _NOTHING * by.size
         smooth = by.vanishes_at(self.value)
@@ -394,29 +429,33 @@ def _pnorm_at_zero(node: Any, index: int, noted: _Met, p: Jet, *args: Jet) -> Je
 def _shifted(index: int, noted: _Met, jet: Jet, parts: Sequence[Jet], round: bool) -> Jet:
     if jet.gradient is None or jet.order == 1:
         return jet
-    return noted.with_shift(jet, index, _ShiftedNorm(jet.value, jet.gradient, parts, _steepness(parts), round))
+    return noted.with_shift(jet, index, _ShiftedNorm(jet.value, jet.gradient, parts, steepness(parts), round))
 
 
 @dataclass(frozen=True)
-class _Axes:
-    """The eigenvalues (N, 3), rising, and n . dA m (N, D) for the axis n of the greatest and m of the least and the middle."""
+class Axes:
+    """How far the greatest eigenvalue is above the least and the middle one (N,), and n . dA m (N, D) for its axis n and theirs.
 
-    values: Array
-    turns: Sequence[Array]
-    steepness: Array
+    ``vanishes``: whether the matrix is 0.
+    """
 
-    def bends(self, by: _Slope, strict: bool) -> Array:
-        gaps = self.values[..., 2:] - self.values[..., :2]
-        outermost, nearest = gaps[..., 0], gaps[..., 1]
-        smooth = by.vanishes_at(nearest / 2)
-        kink = (~smooth & (nearest <= _NOTHING * by.size)) | ~self.values.any(axis=-1) if strict else False
+    gaps: tuple[Any, Any]
+    turns: Sequence[Any]
+    steepness: Any
+    vanishes: Any = False
+
+    def bends(self, by: ByShift, strict: bool) -> Array:
+        return np.asarray(sum(outer(turn, turn, share) for share, turn in zip(self.shares(by, strict), self.turns, strict=True)))
+
+    def shares(self, by: ByShift, strict: bool = False) -> list[Any]:
+        """What each turn counts."""
+        outermost, nearest = self.gaps
+        smooth = by.vanishes_at(0.5 * nearest)
+        kink = (~smooth & (nearest <= _NOTHING * by.size)) | self.vanishes if strict else False
         tiny = np.finfo(np.float64).tiny  # where all three are equal, those of A and of -A have half of the outermost pair each
         limits = (by.bend * (nearest + tiny) / (outermost + 2 * tiny), by.bend)
-        found = np.zeros((1, 1, 1))
-        for limit, gap, turn in zip(limits, (outermost, nearest), self.turns, strict=True):
-            share = np.where(kink, np.nan, np.where(smooth, limit, 2 * by.rate / gap))
-            found = found + share[:, None, None] * outer(turn, turn)
-        return found
+        pairs = zip(limits, self.gaps, strict=True)
+        return [np.where(kink, np.nan, np.where(smooth, limit, 2.0 * by.rate / gap)) for limit, gap in pairs]
 
 
 def _eigmax(_: Any, index: int, noted: _Met, *entries: Jet) -> Jet:
@@ -424,18 +463,18 @@ def _eigmax(_: Any, index: int, noted: _Met, *entries: Jet) -> Jet:
     size = np.broadcast_shapes(*(a.value.shape for a in entries))
     matrices = np.stack([np.stack([np.broadcast_to(a.value, size) for a in row], axis=-1) for row in rows(*entries)], axis=-2)
     values, vectors = _decomposed(matrices)
-    low, middle, n = np.moveaxis(vectors, -1, 0)
-
-    def weights(m: Array) -> list[Array]:
-        """Of the entries of A in n . A m."""
-        pairs = [n[..., i] * m[..., j] + n[..., j] * m[..., i] for i, j in ((1, 2), (0, 2), (0, 1))]
-        return [n[..., i] * m[..., i] for i in range(3)] + pairs
-
-    jet = weighted(values[..., -1], weights(n), entries)
+    least, middle, n = np.moveaxis(vectors, (-1, -2), (0, 1))
+    jet = weighted(values[..., -1], form(n, n), entries)
     if jet.gradient is None or jet.order == 1:
         return jet
-    turns = [total(weights(m), (a.gradient for a in entries)) for m in (low, middle)]
-    return noted.with_shift(jet, index, _Axes(values, turns, _steepness(entries)))
+    turns = [total(form(n, m), (a.gradient for a in entries)) for m in (least, middle)]
+    gaps = values[..., 2] - values[..., 0], values[..., 2] - values[..., 1]
+    return noted.with_shift(jet, index, Axes(gaps, turns, steepness(entries), ~values.any(axis=-1)))
+
+
+def form(n: Sequence[Any], m: Sequence[Any]) -> list[Any]:
+    """Of n . A m the weights of the entries of A: xx, yy, zz, yz, xz, xy."""
+    return [n[i] * m[i] for i in range(3)] + [n[i] * m[j] + n[j] * m[i] for i, j in ((1, 2), (0, 2), (0, 1))]
 
 
 def _decomposed(matrices: Array) -> tuple[Array, Array]:
@@ -467,4 +506,3 @@ TABLE: Table[Jet] = {
     **KINKED,
 }
 _AT_ZERO: Table[Jet] = {Norm: _norm_at_zero, PNorm: _pnorm_at_zero}
-_SHIFTED = (_eigmax, *_AT_ZERO.values())

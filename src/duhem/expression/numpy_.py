@@ -116,11 +116,14 @@ def _power(node: Any, base: Any, exponent: Any) -> Any:
     return np.power(base, exponent)
 
 
+_LARGEST = np.finfo(np.float64).max
+
+
 def _pnorm(_: Any, p: Any, *args: Any) -> Any:
     """Relative to the largest argument: its p-th power alone may overflow, or all of them vanish."""
     sizes = [np.abs(x) for x in args]
     largest = reduce(np.maximum, sizes)
-    unit = np.where((largest > 0.0) & np.isfinite(largest), largest, 1.0)
+    unit = np.where(largest > 0.0, np.minimum(largest, _LARGEST), 1.0)
     return unit * np.power(reduce(np.add, [np.power(size / unit, p) for size in sizes]), 1.0 / p)
 
 

@@ -23,7 +23,7 @@ from duhem.expression.fold import Table, bound, recorded
 from duhem.expression.pnorm import recognised
 from duhem.expression.vocabulary import EigMax
 
-__all__ = ["FUNCTIONS", "TABLE", "Name", "ScalarBounds", "scalar_bounds"]
+__all__ = ["FUNCTIONS", "TABLE", "Name", "ScalarBounds", "scalar_bounds", "statements"]
 
 FUNCTIONS = (
     "arctan2", "expm1", "hypot", "inf", "isfinite", "isnan", "log1p", "maximum", "minimum", "nan", "sqrt",
@@ -32,12 +32,14 @@ FUNCTIONS = (
 """What the text may call by NumPy's names."""
 
 _TRUE_OR_NOT: Mapping[np.ufunc, str] = {
-    np.greater: ">", np.greater_equal: ">=", np.less: "<", np.less_equal: "<=", np.equal: "==", np.bitwise_and: "and", np.bitwise_or: "or",
+    np.greater: ">", np.greater_equal: ">=", np.less: "<", np.less_equal: "<=", np.equal: "==", np.not_equal: "!=",
+    np.bitwise_and: "and", np.bitwise_or: "or",
 }  # fmt: skip
 _SIGNS = {np.add: "+", np.subtract: "-", np.multiply: "*", np.true_divide: "/", np.power: "**", **_TRUE_OR_NOT}
 _FORMS: Mapping[np.ufunc, str] = {
     **{ufunc: f"{{0}} {sign} {{1}}" for ufunc, sign in _SIGNS.items()},
     np.absolute: "abs({0})", np.negative: "-{0}", np.square: "{0} * {0}", np.invert: "not {0}",
+    np.copysign: "{0} if {1} >= 0.0 else -{0}", np.sign: "float({0} > 0.0) - float({0} < 0.0)",
 }  # fmt: skip
 _NORMAL = 2.0**-1022
 _TRUTHS = {*_TRUE_OR_NOT, np.invert, np.isnan, np.isfinite}
@@ -62,7 +64,7 @@ def scalar_bounds(
 
     InputError for a word whose rows need more than lines.
     """
-    lines: list[str] = []
+    lines: dict[str, str] = {}
     constants: dict[sp.Rational, Bounded] = {}
 
     def number(node: Any) -> Callable[[], Bounded]:
@@ -81,24 +83,31 @@ def scalar_bounds(
             value, off = recording.value(given)
     except TypeError:
         raise InputError(f"the rounding of {expr} takes more than lines") from None
-    text = [f"def {name}(v, x, q, b):", *lines, f"    return {_text(value)}, {_text(off)}"]
+    text = [f"def {name}(v, x, q, b):", *statements(lines), f"    return {_text(value)}, {_text(off)}"]
     return ScalarBounds("\n".join(text), tuple(c.value for c in constants.values()), tuple(c.bound for c in constants.values()))
 
 
+def statements(lines: Mapping[str, str]) -> list[str]:
+    """Lines by what they say: ``name`` = text, or a statement by itself."""
+    return [f"    {name} = {text}" if name else f"    {text}" for text, name in lines.items()]
+
+
 class Name(NDArrayOperatorsMixin):
-    """A number that is only known when the text runs, under its name; what is done to it is a new line.
+    """A number that is only known when the text runs, under its name; what is done to it is a new line, once.
 
     ``known``: its value for the formula at hand, on which a row may decide; of other numbers nothing can be decided.
     """
 
     __hash__ = None  # type: ignore[assignment]
 
-    def __init__(self, lines: list[str], name: str, truth: bool = False, known: Any = None) -> None:
+    def __init__(self, lines: dict[str, str], name: str, truth: bool = False, known: Any = None) -> None:
         self.lines, self.name, self.truth, self.known = lines, name, truth, known
 
+    def __str__(self) -> str:
+        return self.name
+
     def let(self, text: str, truth: bool = False, known: Any = None) -> Name:
-        self.lines.append(f"    t{len(self.lines)} = {text}")
-        return Name(self.lines, f"t{len(self.lines) - 1}", truth, known)
+        return type(self)(self.lines, self.lines.setdefault(text, f"t{len(self.lines)}"), truth, known)
 
     def __bool__(self) -> bool:
         if self.known is None:
@@ -127,7 +136,7 @@ class Name(NDArrayOperatorsMixin):
         if function is not np.where or len(arguments) != 3 or options:
             return NotImplemented
         condition, yes, no = arguments
-        if isinstance(yes, np.ndarray):
+        if isinstance(yes, np.ndarray) and yes.ndim:
             return np.frompyfunc(partial(np.where, condition), 2, 1)(yes, no)
         if not isinstance(condition, Name):
             return yes if condition else no
@@ -153,4 +162,4 @@ def _number(x: Any) -> str:
     """A number; the least ones are made normal, because processors take their time for others: as a bound they say as much."""
     if isinstance(x, Name):
         return f"float({x.name})" if x.truth else x.name
-    return f"({max(float(x), _NORMAL) if 0.0 < x < _NORMAL else float(x)!r})"
+    return f"({x})" if isinstance(x, int) else f"({max(float(x), _NORMAL) if 0.0 < x < _NORMAL else float(x)!r})"

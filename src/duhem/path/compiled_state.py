@@ -15,7 +15,8 @@ import numpy as np
 from duhem.errors import InputError
 from duhem.expression import principal_axes
 from duhem.expression.elementary import imports
-from duhem.expression.scalar_jets import FUNCTIONS, ScalarJets, scalar_jets
+from duhem.expression.scalar_bounds import FUNCTIONS
+from duhem.expression.scalar_jets import ScalarJets, scalar_jets
 from duhem.path import state_kernel
 from duhem.path.state_kernel import LEFT, NUMBERS
 from duhem.path.state_step import Advanced, StateFormula, StateLaw

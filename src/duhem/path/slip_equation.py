@@ -29,7 +29,8 @@ from duhem.expression import EigMax, Neg, Norm, Pos, Where
 from duhem.expression.angles import algebraic_angles
 from duhem.expression.elementary import imports
 from duhem.expression.pnorm import PNorm, recognised
-from duhem.expression.scalar_jets import FUNCTIONS, scalar_values
+from duhem.expression.scalar_bounds import FUNCTIONS
+from duhem.expression.scalar_jets import scalar_values
 from duhem.path.elementary_steps import Move, Pair
 from duhem.path.run import Plan
 from duhem.path.step_formulas import inner, times, written

@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from duhem.expression.scalar_bounds import Name
+from duhem.expression.scalar_bounds import Name, statements
 from duhem.projection.code_cache import interpreted_text
 
 __all__ = ["FORMULAS", "balance", "booked", "doubled", "energy", "inner", "on_numbers", "pulled", "slipped", "summed", "times", "written"]
@@ -121,12 +121,12 @@ def written(formula: Callable[..., Any], d: int) -> Callable[..., Any]:
 
     It is run over names, and what it does to them are its lines.
     """
-    lines: list[str] = []
+    lines: dict[str, str] = {}
     asked = list(inspect.signature(formula).parameters)
     given = [_named(_SHAPES.get(name, "vector"), name, d, lines) for name in asked]
     found = formula(*given)
     head = [f"    {_listed(each)} = {name}" for name, each in zip(asked, given, strict=True)]
-    text = [f"def {formula.__name__}({', '.join(asked)}):", *head, *lines, f"    return {_listed(found)}"]
+    text = [f"def {formula.__name__}({', '.join(asked)}):", *head, *statements(lines), f"    return {_listed(found)}"]
     return interpreted_text("\n".join(text), formula.__name__)
 
 
@@ -134,7 +134,7 @@ _SHAPES = {"k": "matrix", "c": "matrix", "added": "energies"}
 _SHAPES |= dict.fromkeys(("first", "second", "whole"), "answer") | dict.fromkeys(("multiplier", "slips", "psi", "was", "opening"), "number")
 
 
-def _named(shape: str, name: str, d: int, lines: list[str]) -> Any:
+def _named(shape: str, name: str, d: int, lines: dict[str, str]) -> Any:
     """Names for the numbers of an argument."""
     each = [f"{name}_{i}" for i in range(d)]
     match shape:

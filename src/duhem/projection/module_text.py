@@ -12,7 +12,7 @@ from typing import Any
 
 import sympy as sp
 
-from duhem.expression import principal_axes, scalar_bounds, scalar_jets
+from duhem.expression import principal_axes, scalar_bounds
 from duhem.expression.elementary import imports
 from duhem.expression.scalar_jets import ScalarJets
 from duhem.expression.syntax import module_tree
@@ -46,7 +46,7 @@ def module_text(
         "from math import floor, frexp, isfinite, ldexp",
         "from typing import Any",
         "import numpy as np",
-        imports({*scalar_jets.FUNCTIONS, *scalar_bounds.FUNCTIONS} - {"isfinite"}),
+        imports({*scalar_bounds.FUNCTIONS} - {"isfinite"}),
         *(f"{name} = {value}" for name, value in constants.items()),
     ]
     lines = [f"    q[{k}] = {over_unit(f'data[n, {k}]', datum.weight)}" for k, datum in enumerate(formula.data.values())]

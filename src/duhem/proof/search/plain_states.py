@@ -16,8 +16,7 @@ from typing import Any
 import numpy as np
 import sympy as sp
 
-from duhem.errors import InputError
-from duhem.expression.branches import gradient
+from duhem.expression.jets import formula
 from duhem.expression.number import fraction, rational
 from duhem.expression.numpy_ import compiled
 from duhem.law.domain import Domain
@@ -85,16 +84,11 @@ def chords_across_bends(subject: FormulaSubject) -> Iterator[Chord]:
         return
     for parameters in subject.choices(_CHOICES):
         energy = subject.formula_at(parameters) + height
-        try:
-            second = [[compiled(d, moving) for d in gradient(slope, moving)] for slope in gradient(energy, moving)]
-        except InputError:  # it has no derivatives in words
-            return
         value = compiled(energy, moving)
         spans = [subject.law.domain.get(x.name, Domain()) for x in moving]
-        for state in plain_states(spans, _MOST, _VALUES):
-            at = [np.array([float(x)]) for x in state]
-            with np.errstate(all="ignore"):
-                matrix = np.array([[np.broadcast_to(entry(*at), 1)[0] for entry in row] for row in second], dtype=float)
+        states = plain_states(spans, _MOST, _VALUES)
+        jet, _ = formula(energy, moving, (), strict=True)(np.array(states, dtype=float), ())
+        for state, matrix in zip(states, jet.hessian, strict=True):
             if not (np.abs(matrix) < _HUGE).all():
                 continue
             bends, directions = np.linalg.eigh(matrix)
