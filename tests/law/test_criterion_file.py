@@ -106,6 +106,7 @@ FAULTS = {
     "name is empty": ("[criterion]\nname = ''\n" + G + P, "2:1", "empty"),
     "name is not printable": ('[criterion]\nname = "a\\u001b[31m"\n' + G + P, "2:1", "printable"),
     "no g": (HEAD + P, "1:1", 'add g = "...", or a potential or forces_of_rates in the section [dissipation]'),
+    "rates and no g": (HEAD + P + '[dissipation]\nrates = { e = "rate" }\n', "1:1", "the rates that are there come beside one of these"),
     "g without forces": (HEAD + 'g = "mu_a - abs(sigma_n)"\n' + P, "3:1", "does not depend on any force"),
     "missing parameter": (HEAD + G + "[parameters]\nmu_a = {}\n", "3:33", "unknown name 'mu_b'"),
     "unknown name in lines": (HEAD + 'g = """\n  norm(sigma_a,\n   sigma_b) + foo"""\n' + P, "5:15", "unknown name 'foo'"),

@@ -5,14 +5,20 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
+import sympy as sp
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from duhem import Criterion, Domain, InputError, verify
+from duhem.expression.numpy_ import compiled
 from duhem.proof.certificate import law_as_text
+from duhem.proof.kernel.bounds import NEGATIVE
+from duhem.proof.kernel.bounds import POSITIVE as POSITIVE_SIGN
 from duhem.proof.kernel.certificate import stated
 from duhem.proof.kernel.claims import objection
+from duhem.proof.kernel.curvature import over, within_ranges
 from duhem.proof.kernel.steps import TooDearError, within
+from duhem.proof.kernel.term import parse
 from duhem.proof.verdict import Trust, Verdict
 from tests.long import long_but
 from tests.oracles.prover import degrees
@@ -224,3 +230,79 @@ def test_of_drawn_sums_none_that_falls_is_shown_to_dissipate(terms, end):
         if asked(g, {}, m=POSITIVE, k=POSITIVE, e=UNIT, q=Domain.between(-1, 1)):
             drawn = [{"m": 1.0, "k": 1.0, "e": e, "q": q} for e in (0.0, 0.5, 1.0) for q in (-1.0, 0.0, 1.0)]
             assert not any(falls(g, values, {}) for values in drawn)
+
+
+def joint(height, **parameters):
+    """|t| <= F(s) for s >= 0, as of a rock joint."""
+    return Criterion("joint", f"abs(t) - ({height})", parameters, forces=("s", "t"), pressure=None, domain={"s": Domain.between(0)})
+
+
+SMALL = Domain.between("1/10", "3/5")
+
+
+@pytest.mark.parametrize(
+    ("height", "parameters"),
+    [
+        ("s*m*(1 + exp(-k*s))", {"m": POSITIVE, "k": POSITIVE}),  # not concave
+        ("s*tan(m + d/(1 + s/k))", {"m": SMALL, "d": SMALL, "k": POSITIVE}),
+        ("s*(m + d*tanh(k/(1 + s)))", {"m": SMALL, "d": SMALL, "k": POSITIVE}),
+        ("s*m + d*atan(k*s)", {"m": SMALL, "d": SMALL, "k": SMALL}),
+        ("c + s*m*exp(-k*s)", {"c": POSITIVE, "m": SMALL, "k": POSITIVE}),
+    ],
+)
+def test_what_rises_outward_by_its_gradient(height, parameters):
+    """Power is 0 at the force itself, F - s F' times a size, which a second way sees to be >= 0."""
+    one = joint(height, **parameters)
+    assert verify(one, claims=["dissipation"])["dissipation"].trust is Trust.CHECKED
+    assert powers(one).min() >= -1e-12
+
+
+@pytest.mark.parametrize(
+    "height",
+    ["s*exp(s/3)", "s*(1 + tanh(s - 2))", "s*tan(1 - 3/5*exp(-s))", "s*(2 + sin(s))", "s*(1 + s/(1 + s)) - 1", "s/2 + s**2*exp(-s)"],
+)
+def test_what_does_not_rise_by_its_gradient_everywhere(height):
+    one = joint(height)
+    assert powers(one).min() < 0 and not checked(one)
+
+
+def powers(one):
+    """F - s F' at drawn parameters and many s."""
+    rng, (s, t) = np.random.default_rng(7), one.force_symbols()
+    height = -one.g.subs(t, 0)
+    rows = [[rng.uniform(float(d.low or 0) + 1e-3 * d.positive, float(d.high or 3)) for d in one.parameters.values()] for _ in range(40)]
+    run = compiled(height - s * sp.diff(height, s), [s, *(x for name, x in one.symbols().items() if name in one.parameters)])
+    return np.broadcast_to(run(np.geomspace(1e-3, 50, 200)[:, None], *np.array(rows).T), (200, 40))
+
+
+@pytest.mark.parametrize("seed", range(40))
+def test_of_drawn_joints_none_that_falls_is_shown_to_dissipate(seed):
+    rng = np.random.default_rng(seed)
+    word = str(rng.choice(["exp({})", "tanh({})", "atan({})", "1/(1 + {}**2)", "sqrt(1 + {}**2)", "log(2 + {}**2)", "cos({})"]))
+    a, b, k = (Fraction(int(rng.integers(-9, 10)), 6) for _ in range(3))
+    one = joint(f"s*({a} + ({b})*{word.format(f'({k})*s')}) + {abs(b)}/2")
+    assert not (checked(one) and powers(one).min() < -1e-6)
+
+
+def test_words_that_rise_tell_the_sign_of_a_difference():
+    """Of c f(x) - c f(y) by the order of x and y; of tan only where both are less than a right angle."""
+    read = stated(law_as_text(joint("s", m=SMALL, d=SMALL, k=POSITIVE)))
+    inside, whole = within_ranges(read), over(read)
+    for text in (
+        "atan(m + s) - atan(s)",
+        "s*tanh(s + k) - s*tanh(s)",
+        "k*atan(s) - k*atan(s - m)",
+        "tan(m + d*exp(-k*s)) - tan(d*exp(-k*s))",
+    ):
+        assert not inside.facts(parse(text)).sign & NEGATIVE
+    for text in (
+        "atan(m + s) - atan(2*s)",
+        "tan(m + s) - tan(s)",
+        "sin(m + s) - sin(s)",
+        "t*atan(m + s) - t*atan(s)",
+        "abs(t + m) - abs(t)",
+    ):
+        assert inside.facts(parse(text)).sign & NEGATIVE
+    for text, holds in (("1 - m/(1 + s)", True), ("3/2 - m - m/(1 + s/k)", True), ("1/2 - m/(1 + s)", False)):
+        assert (inside.facts(parse(text)).sign == POSITIVE_SIGN) is holds
+        assert whole.facts(parse(text)).sign & NEGATIVE  # s < -1

@@ -37,7 +37,7 @@ def test_a_file_states_all_of_it() -> None:
     ("before", "after", "said"),
     [
         ('u_in = { force = "sigma" }\n', "", "no internal variable has the force sigma"),
-        ('force = "X", min', 'force = "Z", min', "the force 'Z' of alpha is not declared"),
+        ('force = "X", min', 'force = "Z", min', "the force 'Z' of alpha is not declared; add it to forces, which are: "),
         ("w = {}", 'w = { force = "X" }', "X is the force of two internal variables, w and alpha"),
         ("w = {}", "w = { temperature = true, observable = true }", "w is an observable and the temperature"),
         ("w = {}", 'w = { temperature = true, force = "X" }', "the temperature w has a force"),

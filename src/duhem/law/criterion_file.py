@@ -70,6 +70,8 @@ class SectionReader(PlacedToml):
         if given is None:
             header = f"[[{section[0]}]]" if len(section) > 1 else f"[{section[0]}]"
             other = ", or a potential or forces_of_rates in the section [dissipation]" if path == ("criterion", "g") else ""
+            if other and "rates" in self.document.get("dissipation", {}):
+                other += ": the rates that are there come beside one of these"
             raise self.error(f"{header} has no {key}", *section, remedy=f'add {key} = "..."{other}')
         if not isinstance(given, str) or (required and not given.strip()):
             raise self.error(f"{key} is not a text" if given != "" else f"{key} is empty", *path, remedy=f'write {key} = "..."')

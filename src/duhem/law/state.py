@@ -93,7 +93,8 @@ def misfits(variables: Variables, forces: Sequence[str], energy: bool) -> Iterat
             other = ", or another name if no internal variable has this force: the energy gives it, and it need not stand in forces"
             yield name, f"the observable {name} has no force", f'add force = "{forces[0]}"{other if energy else ""}'
         elif own.force is not None and own.force not in forces and not (own.observable and energy):  # then it is what the energy gives
-            yield name, f"the force {own.force!r} of {name} is not declared", f"the forces are: {', '.join(forces)}"
+            remedy = f"add it to forces, which are: {', '.join(forces)}; or name no force of {name}, if neither g nor a flow contains it"
+            yield name, f"the force {own.force!r} of {name} is not declared", remedy
     for kind in ("observable", "internal"):
         taken: dict[str, str] = {}
         for name, own in variables.items():

@@ -523,8 +523,8 @@ RULES: Mapping[tuple[str, str], RuleRow] = {
     ),
     ("dissipation", "homogeneity"): RuleRow(
         _NONE, homogeneity, obligations.formula_where_it_has_a_value,
-        "the degrees of the parts of g in the forces show that K is star-shaped about 0, so that sigma . n >= 0 for every normal n, or "
-        "that K is a cone, and sigma . n = 0 (Euler)",
+        "the degrees of the parts of g in the forces, or its slope along rays, show that K is star-shaped about 0, so that sigma . n >= 0 "
+        "for every normal n, or that K is a cone, and sigma . n = 0 (Euler)",
     ),
     ("dissipation", "potential"): RuleRow(
         _NONE, potential, obligations.formula_and_potential,

@@ -30,7 +30,7 @@ from duhem.proof.kernel.steps import pay
 from duhem.proof.kernel.term import COMPARISONS, HALF, NotWritten, Term, minus, number, product_of, sum_of
 
 __all__ = [
-    "BITS", "RISING", "Enclosure", "below_right", "enclosed", "exact_value", "finer", "holds", "ordered", "sign_of_radicals",
+    "BITS", "BOUNDED", "RISING", "Enclosure", "below_right", "enclosed", "exact_value", "finer", "holds", "ordered", "sign_of_radicals",
     "sign_over", "span",
 ]  # fmt: skip
 
@@ -458,7 +458,7 @@ _Signs = Callable[[Term], Sign]
 _COARSE = 40  # binary digits that the ends of a span need not have
 _UNIT, _RIGHT = Fraction(1), product_of(HALF, Term("name", name="pi"))
 _NEAR_RIGHT = number(Fraction(3, 2))  # less than pi/2, and a fraction
-_WITHIN = {
+BOUNDED = {
     "sin": Bounds(-_UNIT, _UNIT), "cos": Bounds(-_UNIT, _UNIT), "tanh": Bounds(-_UNIT, _UNIT, True, True),
     "exp": Bounds(Fraction(0), None, True),
     "atan": Bounds(-2 * _UNIT, 2 * _UNIT), "asin": Bounds(-2 * _UNIT, 2 * _UNIT), "acos": Bounds(Fraction(0), 4 * _UNIT),
@@ -468,7 +468,7 @@ RISING = ("exp", "log", "atan", "asin", "sinh", "tanh")  # words that rise where
 
 def span(atom: Term, sign: _Signs, bounds: Mapping[str, Bounds]) -> Bounds:
     """Where a constant lies, wherever it has a value, by its ``sign``, its word and the ranges of its names."""
-    found = _WITHIN.get(atom.op, Bounds(None, None))
+    found = BOUNDED.get(atom.op, Bounds(None, None))
     for end, beside in ((Fraction(0), sign(atom)), (_UNIT, _beside_one(atom, sign))):
         if not beside & NEGATIVE:
             found = found.above(end, not beside & ZERO)

@@ -7,7 +7,7 @@ from fractions import Fraction
 from itertools import combinations
 
 from duhem.proof.kernel.bounds import Facts, signs_of_product
-from duhem.proof.kernel.constant_value import ordered
+from duhem.proof.kernel.constant_value import BOUNDED, ordered, span
 from duhem.proof.kernel.domain import ANY, NEGATIVE, POSITIVE, ZERO, Sign, StatedDomain
 from duhem.proof.kernel.polynomial import (
     ONE,
@@ -19,6 +19,7 @@ from duhem.proof.kernel.polynomial import (
     negated,
     plainly,
     quotient,
+    replaced,
     scaled,
     times,
     total,
@@ -166,15 +167,13 @@ def by_forces(poly: Polynomial, domain: StatedDomain) -> dict[Monomial, Polynomi
 
 def sign_within(term: Term, known: Facts, domain: StatedDomain) -> Sign:
     """The signs that what is >= 0 in the domain leaves: of a multiple of that and a constant; of a concave term that depends on one load
-    alone and is >= 0 at both of its ends, no sign < 0; those of a difference of two values of a word that rises, or falls; and those of a
-    sum times what it divides by and is > 0.
+    alone and is >= 0 at both of its ends, no sign < 0; those of a difference of two values of a word that rises, or falls; of a sum those
+    of it times what it divides by and is > 0, and those that a word in it leaves which lies between two numbers.
     """
     try:
         found = _of_multiple(term, domain) & _of_one_word(term, domain)
-        poly = domain.polynomial(term) if term.op == "+" and found & known.sign not in (NEGATIVE, ZERO, POSITIVE) else {}
-        divides = any(x.op == "**" and not domain.constant(x) for m in poly for x, _ in m)
-        if divides and (whole := domain.without_quotients(poly)) is not poly:
-            found &= domain.facts(written(whole)).sign
+        if term.op == "+" and found & known.sign not in (NEGATIVE, ZERO, POSITIVE):
+            found &= _without_divisors(term, domain) & _of_bounded_words(term, domain)
         below = found & known.sign & NEGATIVE and known.concave
         ends = ((x, y) for x in domain.sides for y in domain.sides) if below else ()
         return found & ~NEGATIVE if any(_above_at_both_ends(term, *both, domain) for both in ends) else found
@@ -199,9 +198,29 @@ def _of_one_word(term: Term, domain: StatedDomain) -> Sign:
     found = grouped(domain.polynomial(term), lambda x: len(x.args) == 1 and not domain.constant(x)) if term.op == "+" else {}
     if len(found) != 2 or total(*found.values()) or any([n for _, n in m] != [1] for m in found):
         return ANY
-    for gap, strict in ordered([x for ((x, _),) in found], domain.sign):
+    for gap, strict in ordered([x for ((x, _),) in found], lambda x: domain.facts(written(domain.polynomial(x))).sign):
         greater = max(gap, key=lambda m: gap[m])
         return signs_of_product(POSITIVE if strict else POSITIVE | ZERO, domain.facts(written(found[greater])).sign)
+    return ANY
+
+
+def _without_divisors(term: Term, domain: StatedDomain) -> Sign:
+    """Of a sum times what it divides by and is > 0."""
+    poly = domain.polynomial(term)
+    divides = any(x.op == "**" and not domain.constant(x) for m in poly for x, _ in m)
+    whole = domain.without_quotients(poly) if divides else poly
+    return ANY if whole is poly else domain.facts(written(whole)).sign
+
+
+def _of_bounded_words(term: Term, domain: StatedDomain) -> Sign:
+    """Of c f(x) + d, where f(x) lies between two numbers: what it is at both leaves."""
+    poly = domain.polynomial(term)
+    for x in sorted({x for m in poly for x, _ in m if x.op in BOUNDED and not domain.constant(x)}):
+        own = span(x, domain.sign, {})
+        if own.low is not None and own.high is not None and {n for m in poly for y, n in m if y == x} == {1}:
+            ends = [domain.facts(written(replaced(poly, x, {(): end} if end else {}))).sign for end in (own.low, own.high)]
+            both = ends[0] | ends[1]
+            return ANY if both & NEGATIVE and both & POSITIVE else both
     return ANY
 
 

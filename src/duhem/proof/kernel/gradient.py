@@ -27,7 +27,7 @@ _OUTER: dict[str, Callable[[Term, Term], Term]] = {  # slopes of words of one pa
     "tan": lambda term, _: sum_of(_ONE, product_of(term, term)),
     "sinh": lambda _, u: Term("cosh", (u,)),
     "cosh": lambda _, u: Term("sinh", (u,)),
-    "tanh": lambda term, _: sum_of(_ONE, minus(product_of(term, term))),
+    "tanh": lambda _, u: _to(Term("cosh", (u,)), Fraction(-2)),
     "atan": lambda _, u: _to(sum_of(_ONE, product_of(u, u)), Fraction(-1)),
     "asin": lambda _, u: _to(sum_of(_ONE, minus(product_of(u, u))), Fraction(-1, 2)),
     "acos": lambda _, u: minus(_to(sum_of(_ONE, minus(product_of(u, u))), Fraction(-1, 2))),

@@ -13,6 +13,9 @@ rises outward on its zeros.  The power of a flow that is the gradient of a poten
 gradients meet.  Where all of g is of one degree, g keeps its sign along each ray: K is a cone, and sigma . n = 0 for every normal n at
 sigma, as it is where a choice of formulas changes that each ray keeps.
 
+Where a part of g has no degree, as s tan(a + b exp(-s)), S is sigma . grad g - m g by the derivatives of g.  These have a value around
+every place, and g is continuous: so S tells along almost every ray, and in the limit along the others, whether g(r sigma)/r^m falls.
+
 Of rays on which g has no value, those where something of one degree is 0, nothing is asked: whether K holds them, as it does where g has a
 limit, or ends beside them, with a normal across the ray, it tends there to what is star-shaped.
 

@@ -296,9 +296,7 @@ def sharp_points(subject: FormulaSubject, parameters: Values) -> Iterator[SharpP
     ways = list(dict.fromkeys([*_ways(len(forces)), *(tuple(Fraction(c, max(map(abs, edge))) for c in edge) for edge in pointed)]))
     opposite = [ways.index(tuple(-c for c in way)) for way in ways]
     steps = np.array([[float(c) for c in way] for way in ways])
-    ranges = [subject.domain.get(x.name, REAL) for x in forces]
-    low = [-np.inf if span.low is None else float(span.low) for span in ranges]
-    high = [np.inf if span.high is None else float(span.high) for span in ranges]
+    low, high = np.array([subject.domain.get(x.name, REAL).ends for x in forces]).T
 
     def values(place: Point, reach: float, lean: Any = 0) -> Any:
         points = np.array([float(c) for c in place]) + reach * (steps + lean)
