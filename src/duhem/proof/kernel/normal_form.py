@@ -153,7 +153,7 @@ class _Form(NamedTuple):
 
     def _extreme(self, term: Term) -> Term:
         """Of x alone x, of x and 0 pos(x), of x and k x, k <= 0, pos(x) - k neg(x); a minimum is the maximum of the negatives, turned,
-        and so is a maximum of sums of forces that all begin with a coefficient < 0.
+        and so is a maximum of sums of forces that all begin with a coefficient < 0.  What differs by constants is a sum with their maximum.
         """
         if term.op == "min":
             turned = self._extreme(Term("max", tuple(self._collected(minus(a)) for a in term.args)))
@@ -171,6 +171,10 @@ class _Form(NamedTuple):
                 turned = product_of(plainly(negated(k)), self._kink("neg", args[1]))
                 return self._collected(sum_of(self._kink("pos", args[1]), turned))
         polys = list(map(self._poly, args))
+        moving, *others = ({m: c for m, c in poly.items() if not all(self.domain.constant(x) for x, _ in m)} for poly in polys)
+        if moving and all(other == moving for other in others):
+            ends = (plainly({m: c for m, c in poly.items() if m not in moving}) for poly in polys)
+            return self._collected(sum_of(plainly(moving), Term("max", tuple(ends))))
         if all(poly[min(poly)] < 0 and {sum(n for _, n in self._in_forces(m)) for m in poly} == {1} for poly in polys):
             return self._collected(minus(Term("min", tuple(sorted(self._collected(minus(a)) for a in args)))))
         return Term("max", tuple(args))
