@@ -349,3 +349,23 @@ def test_a_flow_is_refuted_where_zero_force_is_the_apex_of_a_cone(angle: str) ->
     law = Criterion("cone", cone, {}, forces=A_B, pressure=None, flow=(f"sign(a)*cos({angle})", f"sign(a)*sin({angle})"))
     found = refuters.normality_at_points(AskedSubject(law))
     assert found is not None and found.witness is not None and confirmed(law, "normality", found.witness)
+
+
+@pytest.mark.parametrize(
+    ("g", "slip", "ranges"),
+    [
+        ("abs(a) - q*(2 - b)**m", ("sign(a)", "1/3"), {"b": Domain.between(None, 0)}),
+        ("abs(a) - q*(2 + b)**m", ("sign(a)", "1/3"), {"b": Domain.between(0)}),
+        ("abs(a) - q*b - m", ("sign(a)", "q/2"), {"b": Domain.between(0)}),
+        ("norm(a, b) - q", ("a + b/3", "b"), {"a": Domain.between(0), "b": Domain.between("1/7", 5)}),
+        (DISC, ("a", "2*b"), {"a": Domain.between("1/3", "2/3")}),
+        (DISC, ("a - 2", "b"), {"b": Domain.between("-1/9", "1/9")}),
+    ],
+)
+def test_where_a_flow_leans_is_shown_in_the_ranges_of_the_forces(g: str, slip: Sequence[str], ranges: dict[str, Domain]) -> None:
+    """Rounded points are shown only where they lie in these: else nothing would be refuted."""
+    parameters = {"q": Domain(positive=True), "m": Domain.between("1/2", 1)}
+    law = Criterion("law", g, {x: d for x, d in parameters.items() if x in g}, A_B, None, flow=tuple(slip), domain=ranges)
+    found = verify(law, claims=["normality"])["normality"]
+    assert found.verdict is Verdict.REFUTED and found.method == "witness-flow" and confirmed(law, "normality", found.witness)
+    assert all(point[name] in span for point in found.witness.points.values() for name, span in ranges.items())

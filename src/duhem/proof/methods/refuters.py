@@ -34,6 +34,7 @@ from duhem.proof.witness.points import (
     enclosed,
     enclosed_flow,
     enclosed_normal,
+    in_ranges,
     less_than_0,
     of_energy,
     origin_outside,
@@ -360,8 +361,8 @@ def _leaning(subject: FormulaSubject, scouts: Iterable[BoundaryScout], near: boo
     for scout in (scout for scout in scouts if len(scout.boundary) > 1):
         at_rest = ((exit, subject.nowhere) for exit in scout.least_power(5))
         for exit, target in itertools.chain(scout.far_targets(), at_rest, _on_the_boundary(subject, scout) if near else ()):
-            if witness := _leans_towards(subject, exit, target):
-                taus = (tau for tau in rounded(target) if subject.admits(subject.values_at(exit.parameters, tau)))
+            if (witness := _leans_towards(subject, exit, target)) and subject.may_refute("normality", witness.points):
+                taus = (tau for tau in rounded(target) if subject.admits(subject.values_at(exit.parameters, tau)) and in_ranges(subject, tau))
                 short = (found for tau in taus if (found := _leans_towards(subject, exit, tau)))
                 return Evidence(Verdict.REFUTED, "witness-flow", "the flow leaves the normal cone of K", next(short, witness))
     return None
@@ -409,6 +410,7 @@ def _power(subject: FormulaSubject, exits: Iterable[Exit]) -> Evidence | None:
 
     tried = (violation(subject, *exit, power, "force . flow", _DISSIPATION) for exit in exits)
     found = (with_variables(subject, witness) for witness in tried if witness is not None)
+    found = (witness for witness in found if subject.may_refute("dissipation", witness.points))
     return Evidence.refuted_by(found, "witness-power", _of_k(subject, "force . flow is negative on the boundary"))
 
 

@@ -33,7 +33,7 @@ from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.facts.plane_section import LocalPiece, PlaneSection, kinks_decided, local_pieces
 from duhem.proof.facts.subject import Values, rationals
 from duhem.proof.verdict import Witness
-from duhem.proof.witness.points import decimal_pair, witness
+from duhem.proof.witness.points import decimal_pair, in_ranges, witness
 
 __all__ = ["corner", "sharp_point"]
 
@@ -199,7 +199,8 @@ def sharp_point(subject: FormulaSubject, parameters: Values, place: Vector, asid
     with precision(_BITS):
         for width, reach in _CONES:
             ends = ((into, Fraction(0), -1), (away, width, 1), (opposite, width, 1))
-            if not all(_in_ranges(subject, place, way, wide, reach) for way, wide, _ in ends):
+            reached = [[x + reach * (c + side * wide) for x, c in zip(place, way, strict=True)] for way, wide, _ in ends for side in (-1, 1)]
+            if not in_ranges(subject, *reached):
                 continue
             cones = [(_Cone(subject.simple.forces, place, way, wide, reach), sign) for way, wide, sign in ends]
             if all(cone.sign(g) == sign and all(_meets(sense, cone.sign(expr)) for expr, sense in needed) for cone, sign in cones):
@@ -213,13 +214,6 @@ def sharp_point(subject: FormulaSubject, parameters: Values, place: Vector, asid
                 shown = {role: subject.values_at(parameters, point) for role, point in points.items()}
                 return witness(subject, shown, {}, statement, {"beside": float(width * reach)})
     return None
-
-
-def _in_ranges(subject: FormulaSubject, place: Vector, way: Vector, width: Fraction, reach: Fraction) -> bool:
-    """Whether a cone lies in the ranges of the law, all of it that is not the place itself."""
-    corners = zip(subject.simple.forces, place, way, strict=True)
-    reached = {x.name: [start + reach * (c + side * width) for side in (-1, 1)] for x, start, c in corners}
-    return all(rational(end) in subject.domain[name] for name, ends in reached.items() if name in subject.domain for end in ends)
 
 
 class _Cone:

@@ -37,8 +37,8 @@ from duhem.proof.statement import parsed_as_written
 from duhem.proof.verdict import Witness
 
 __all__ = [
-    "EnclosedPoint", "chord", "decimal_pair", "enclosed", "enclosed_flow", "enclosed_normal", "less_than_0", "of_energy", "origin_outside",
-    "over_box", "rounded", "sign_at", "two_forces_at", "violation", "with_variables", "witness",
+    "EnclosedPoint", "chord", "decimal_pair", "enclosed", "enclosed_flow", "enclosed_normal", "in_ranges", "less_than_0", "of_energy",
+    "origin_outside", "over_box", "rounded", "sign_at", "two_forces_at", "violation", "with_variables", "witness",
 ]  # fmt: skip
 
 _PRECISIONS = (64, 128, 256, 512, 1024, 2048)
@@ -235,13 +235,20 @@ def violation(
     for found in _narrowed(subject, parameters, start, end, _WIDTHS):
         if seen(found) is not None:
             worst = measured(found)
-            fit = (short for short in _shorter(subject, found) if seen(short) is not None and _alike(measured(short), worst))
+            within = (short for short in _shorter(subject, found) if in_ranges(subject, short.inside, short.outside))
+            fit = (short for short in within if seen(short) is not None and _alike(measured(short), worst))
             point = next(fit, found)
             ends = {"inside": subject.values_at(parameters, point.inside), "outside": subject.values_at(parameters, point.outside)}
             points = {**ends, **others}
             shown = {f"g({role})": decimal_pair(sign_at(subject.problem.stated, at)[1]) for role, at in points.items()}
             return witness(subject, points, {**shown, name: decimal_pair(seen(point))}, statement, measured(point))
     return None
+
+
+def in_ranges(subject: FormulaSubject, *points: Sequence[Fraction]) -> bool:
+    """Whether points lie in the ranges that the forces of the law have."""
+    named = (zip(subject.simple.forces, point, strict=True) for point in points)
+    return all(c in subject.domain[x.name] for pairs in named for x, c in pairs if x.name in subject.domain)
 
 
 def _alike(one: Mapping[str, float], other: Mapping[str, float]) -> bool:
