@@ -55,6 +55,7 @@ _MORE: Mapping[str, Callable[[StatedLaw], str]] = {"origin": state.potential_lea
 _RULES_OF_RATES = ("resistance", "monotone-resistance")  # those of laws whose forces are functions of the rates
 _MOST_CASES = 4  # choices one after another
 _IN_BOXES = ("curvature-in-a-box", "slope-in-a-box", "power-in-a-box")  # by the ranges of the forces, wherever these are
+_PLACE_BY_PLACE = (*_IN_BOXES, "potential", "power-share")
 # they look at a part once
 _OF_GRAPHS = ("evaluation", "composition", *_IN_BOXES, "normality-rule", "fenchel", "by-construction", "conductances")
 
@@ -76,7 +77,7 @@ def objection(claim: str, rule: str, settled: frozenset[str], law: Stated, evide
     if isinstance(law, StatedLaw) and not law.around_zero:
         if claim in _AT_ZERO:
             return "zero force is outside the ranges of the forces"
-        if rule not in _IN_BOXES:  # others rest on zero force, or look along rays from it
+        if rule not in _PLACE_BY_PLACE:  # others rest on zero force, or look along rays from it
             law = law.once(StatedLaw.everywhere)
     if not row.needed <= settled:
         return f"it rests on {', '.join(sorted(row.needed - settled))}, not confirmed"

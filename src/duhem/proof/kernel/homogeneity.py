@@ -166,9 +166,9 @@ def is_cone(g: Term, domain: StatedDomain) -> bool:
 def potential_flows_outward(potential: Term, g: Term, share: Term, domain: StatedDomain) -> bool:
     """Whether sigma . d >= 0 wherever g = 0, d a mean of gradients of the potential around: it is ``share`` g + something >= 0.
 
-    What has a degree is continuous, so that the boundary of K lies on g = 0 and the sum is a limit of itself.
+    What does not jump is continuous, so that the boundary of K lies on g = 0 and the sum is a limit of itself.
     """
-    if not all(domain.facts(part).defined for part in (potential, g, share)) or not domain.constant(share) or not by_degree(g, domain):
+    if not all(domain.facts(part).defined for part in (potential, g, share)) or not domain.constant(share) or chooses(g, domain):
         return False
     power = sum_of(*(product_of(written({m: c}), _rate(m, domain)) for m, c in domain.polynomial(potential).items()))
     rest = sum_of(power, minus(product_of(share, g)))

@@ -135,10 +135,10 @@ def _power(law: StatedLaw) -> Blocked | None:
 
 
 def _negative(term: Term, domain: StatedDomain) -> Term:
-    """The terms of a sum that may be < 0."""
+    """The terms of a sum that may be < 0; the whole where each is seen to be >= 0."""
     whole = multiplied_out(term, domain)
     negative = [part for part in (whole.args if whole.op == "+" else (whole,)) if domain.facts(part).sign & NEGATIVE]
-    return negative[0] if len(negative) == 1 else sum_of(*negative)
+    return negative[0] if len(negative) == 1 else sum_of(*negative) if negative else term
 
 
 def _open_signs(term: Term, domain: StatedDomain) -> tuple[Term, ...]:
