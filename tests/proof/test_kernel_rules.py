@@ -49,7 +49,6 @@ def test_a_rule_without_evidence(rule: str, g: str, right: bool) -> None:
         ("convexity polar-curvature", "norm(a, b) + a**2/norm(a, b) - 1", True),
         ("convexity polar-curvature", "norm(a, b) + 3*a**2/norm(a, b) - 1", False),
         ("smoothness polar-seams", "norm(a, b) + a**2/norm(a, b) - 1", True), ("smoothness polar-seams", "norm(a, b) + abs(a) - 1", False),
-        ("dissipation euler", "norm(a, b) + 3*a**2/norm(a, b) - 1", True), ("dissipation euler", "norm(a, b) - e", False),
         ("smoothness polar-seams", "norm(a, pos(b)) + a**2/norm(a, b) + neg(b) - 1", False), ("dissipation fenchel", "a*b", True),
         ("normality normality-rule", "a*b", True), ("normality parallel", "a*b", True),
     ],
@@ -120,8 +119,8 @@ def test_flows_of_their_own_are_not_associated() -> None:
         assert confirmed(*rule.split(), law("norm(a, b) - m"), None, "convexity")
         assert not confirmed(*rule.split(), law("norm(a, b) - m", flow=["a", "b"]), None, "convexity")
     gauge = "norm(a, b) + a**2/norm(a, b) - 1"
-    assert confirmed("dissipation", "euler", law(gauge), None, "origin")
-    assert not confirmed("dissipation", "euler", law(gauge, flow=["a", "b"]), None, "origin")
+    assert confirmed("dissipation", "homogeneity", law(gauge), None, "origin")
+    assert not confirmed("dissipation", "homogeneity", law(gauge, flow=["a", "b"]), None, "origin")
     assert confirmed("dissipation", "potential", law("norm(a, b) - 1", flow={"potential": "norm(a, b)"}), {"share": "1"})
     assert not confirmed("dissipation", "potential", law("norm(a, b) - 1", flow={"potential": "-norm(a, b)"}), {"share": "1"})
     assert not confirmed("dissipation", "potential", law("norm(a, b) - 1", flow=["a", "b"]), {"share": "1"})

@@ -204,7 +204,6 @@ def test_no_rule_takes_a_law_with_flows_on_its_surfaces_for_associated() -> None
     for claim, rule in (
         ("normality", "normality-rule"),
         ("normality", "parallel"),
-        ("dissipation", "euler"),
         ("dissipation", "boundary-power"),
     ):
         empty: dict[str, Any] = {"outward": [], "along": [], "across": []}

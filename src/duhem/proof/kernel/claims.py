@@ -310,11 +310,6 @@ def star_shaped(law: StatedLaw, _: Evidence) -> bool:
     return divides_by_zero_force(law.g, over(law)) and bool(StarGauge(law))
 
 
-def euler(law: StatedLaw, _: Evidence) -> bool:
-    """On g = 0 every gradient of g = A - B from one side has sigma . grad g = (a - b) A > 0."""
-    return law.associated and bool(StarGauge(law))
-
-
 def homogeneity(law: StatedLaw, _: Evidence) -> bool:
     """g(r sigma)/r^m does not fall with r > 0: so sigma . n >= 0 for every normal n; or K is a cone: it is 0.
 
@@ -516,11 +511,6 @@ RULES: Mapping[tuple[str, str], RuleRow] = {
     ("dissipation", "fenchel"): RuleRow(
         _ORIGIN | {"normality"}, lambda law, _: True, obligations.flow,
         "0 lies in K and the flow d lies in the normal cone at sigma, so d . (0 - sigma) <= 0",
-    ),
-    ("dissipation", "euler"): RuleRow(
-        _ORIGIN, euler, obligations.numbers_in_formula,
-        "g = A - B with A, B > 0 homogeneous of degrees a > b, so sigma . grad g = (a - b) A > 0 on the boundary "
-        "(Euler)", most_forces=_PLANE,
     ),
     ("dissipation", "homogeneity"): RuleRow(
         _NONE, homogeneity, obligations.formula_where_it_has_a_value,

@@ -34,7 +34,6 @@ from duhem.proof.witness.points import (
     enclosed,
     enclosed_flow,
     enclosed_normal,
-    in_ranges,
     less_than_0,
     of_energy,
     origin_outside,
@@ -362,7 +361,7 @@ def _leaning(subject: FormulaSubject, scouts: Iterable[BoundaryScout], near: boo
         at_rest = ((exit, subject.nowhere) for exit in scout.least_power(5))
         for exit, target in itertools.chain(scout.far_targets(), at_rest, _on_the_boundary(subject, scout) if near else ()):
             if (witness := _leans_towards(subject, exit, target)) and subject.may_refute("normality", witness.points):
-                taus = (tau for tau in rounded(target) if subject.admits(subject.values_at(exit.parameters, tau)) and in_ranges(subject, tau))
+                taus = (tau for tau in rounded(target) if subject.admits(subject.values_at(exit.parameters, tau)))
                 short = (found for tau in taus if (found := _leans_towards(subject, exit, tau)))
                 return Evidence(Verdict.REFUTED, "witness-flow", "the flow leaves the normal cone of K", next(short, witness))
     return None

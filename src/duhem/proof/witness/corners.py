@@ -199,8 +199,8 @@ def sharp_point(subject: FormulaSubject, parameters: Values, place: Vector, asid
     with precision(_BITS):
         for width, reach in _CONES:
             ends = ((into, Fraction(0), -1), (away, width, 1), (opposite, width, 1))
-            reached = [[x + reach * (c + side * wide) for x, c in zip(place, way, strict=True)] for way, wide, _ in ends for side in (-1, 1)]
-            if not in_ranges(subject, *reached):
+            far = [[x + reach * (c + side * wide) for x, c in zip(place, way, strict=True)] for way, wide, _ in ends for side in (-1, 1)]
+            if not in_ranges(subject, *far):
                 continue
             cones = [(_Cone(subject.simple.forces, place, way, wide, reach), sign) for way, wide, sign in ends]
             if all(cone.sign(g) == sign and all(_meets(sense, cone.sign(expr)) for expr, sense in needed) for cone, sign in cones):
