@@ -69,10 +69,10 @@ def grows_along_rays(g: Term, domain: StatedDomain, steep: bool) -> bool:
         return len(by_degree(gap(kink.args[0]), domain)) == 1 and all(grows_along_rays(value, domain, steep) for value in values)
     for own in (_rates, _by_gradient):
         with suppress(NotWritten, ValueError):
-            _, sums = own(g, domain)
-            signs = [Reader(domain).sign(x) & domain.facts(written(domain.without_quotients(domain.polynomial(x)))).sign for x in sums]
-            if POSITIVE in signs or (any(not sign & NEGATIVE for sign in signs) and (not steep or _is_steep(g, domain))):
-                return True
+            for x in sorted(own(g, domain)[1], key=Term.size):  # the plain ones first
+                sign = Reader(domain).sign(x) & domain.facts(written(domain.without_quotients(domain.polynomial(x)))).sign
+                if sign == POSITIVE or not (sign & NEGATIVE or (steep and not _is_steep(g, domain))):
+                    return True
     return False
 
 
