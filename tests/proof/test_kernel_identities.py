@@ -191,7 +191,7 @@ def test_degrees_along_rays(g: str, grows: bool) -> None:
         ("a**2 - b**2", "a**2 - b**2 - m", "2", True), ("a**2 - b**2", "a**2 - b**2 - m", "1", False),
         ("a**2/2 + b", "a**2 + b - 1", "1", True),
         ("a*b", "a*b - m", "2", True), ("a*b", "a*b - q", "2", False), ("exp(a)", "a - 1", "0", None),
-        ("norm(a, b)", "exp(a) - 1", "0", None),
+        ("norm(a, b)", "exp(a) - 1", "0", True), ("norm(a, b)", "where(a > 0, 1, -1)", "0", False),
         ("norm(a, b)", "norm(a, b) - 1", "a", False), ("norm(a, b)/e", "norm(a, b) - 1", "0", False),
         ("norm(a, b)", "norm(a, b) - 1", "0/e", False),
     ],
