@@ -82,7 +82,7 @@ class StatedDomain:
     def without_quotients(self, poly: Polynomial) -> Polynomial:
         """The polynomial times the sums that it divides by, where they are > 0."""
         for x in sorted({x for m in poly for x, _ in m if x.op == "**" and x.args[1] == number(-1)}):
-            if self.of(x) == POSITIVE and all(dict(m).get(x, 0) >= 0 for m in poly):
+            if self.of(x) == POSITIVE and all(0 <= dict(m).get(x, 0) <= _MOST_POWER for m in poly):
                 whole, base = Polynomial(), self.polynomial(x.args[0])
                 for part in in_powers(poly, x):
                     whole = total(times(whole, base), part)

@@ -59,6 +59,7 @@ __all__ = [
 ]  # fmt: skip
 
 _JUMPING = ("where", "atan2")
+_LONGEST = 500  # parts of a gradient that is multiplied out
 _ALIKE = ("abs", "pos", "neg", "norm", "max", "min", "eigmax")
 
 
@@ -79,8 +80,8 @@ def grows_along_rays(g: Term, domain: StatedDomain, steep: bool) -> bool:
 def _by_gradient(g: Term, domain: StatedDomain) -> tuple[dict[Term, Term], list[Term]]:
     """S for m = 0 and 1, of a g that need not have degrees: sigma . grad g - m g, where grad g has a value, which is around every place."""
     slopes = gradient(g, domain.law.forces)
-    if chooses(g, domain) or undecided_beside(slopes, tips(g, domain), domain) is not None:
-        raise NotWritten("g may jump, or have no slope")
+    if sum(d.size() for d in slopes) > _LONGEST or chooses(g, domain) or undecided_beside(slopes, tips(g, domain), domain) is not None:
+        raise NotWritten("g may jump, or have no slope, or one that is too long")
     rate = sum_of(*(product_of(Term("name", name=x), d) for x, d in zip(domain.law.forces, slopes, strict=True)))
     sums = (sum_of(rate, minus(product_of(number(m), g))) for m in range(2))
     return {}, [in_order(signs_as_sizes(x, domain), domain) for x in sums]
