@@ -131,6 +131,7 @@ AT_AN_END = [  # of the range of a: every way that shows it lies in the range, a
          p=Domain.between("7/10", 1)), BETWEEN_0_AND_1),  # as of Houlsby and Cassidy (2002): at p = 1 alone
     (law("abs(b) - a*(phi + d*exp(-k*a))", TWO, phi=Domain.between("2/5", "3/5"), d=Domain.between("1/20", "1/5"), k=POSITIVE), FROM_0),
     (law("abs(b) - m*a", TWO, m=POSITIVE), FROM_0),
+    (law("abs(b) - m*a", TWO, m=BETWEEN_0_AND_1), FROM_0),  # at m = 0 K is a line
     (law("b**2 - a**3", TWO), FROM_0),  # a cusp
     (law("abs(b) - a**(3/2)", TWO), FROM_0),
     (law("abs(b) - (-a)**(3/2)", TWO), Domain.between(None, 0)),

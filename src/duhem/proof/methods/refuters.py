@@ -251,7 +251,7 @@ def smoothness_at_sharp_points(subject: FormulaSubject) -> Evidence | None:
     """Refute by an exact boundary point to which K narrows: the tip of a cone or of a drop, a cusp, or a saddle of g."""
     from duhem.proof.search.corners import centred_choices, sharp_points  # numpy, only when something is looked for
 
-    choices = subject.choices(1, [*_at_extreme_exponents(subject), *centred_choices(subject)])
+    choices = subject.choices(2, [*_at_extreme_exponents(subject), *centred_choices(subject)])
     found = (sharp_point(subject, *one) for parameters in choices for one in sharp_points(subject, parameters))
     return _not_smooth(subject, found, "witness-sharp-point", "the boundary has a sharp point")
 
@@ -260,9 +260,8 @@ def _at_extreme_exponents(subject: FormulaSubject) -> list[Values]:
     """Return the plainest choices with each exponent at its least value, at which |x|^a may have a kink, and with each at its greatest."""
     exponents = {x for power in subject.simple.g.atoms(sp.Pow) for x in power.exp.free_symbols}
     own = {x: domain for x in exponents if (domain := subject.law.parameters.get(x.name)) is not None}
-    least = {x: fraction(domain.low) for x, domain in own.items() if domain.low is not None}
-    greatest = {x: fraction(domain.high) for x, domain in own.items() if domain.high is not None}
-    found = ({**plain, **ends} for ends in (least, greatest) for plain in itertools.islice(subject.choices(_PLAIN), _PLAIN if ends else 0))
+    sides = ({x: fraction(end) for x, domain in own.items() if (end := getattr(domain, side)) is not None} for side in ("low", "high"))
+    found = ({**plain, **ends} for ends in sides for plain in itertools.islice(subject.choices(_PLAIN), _PLAIN if ends else 0))
     return list({tuple(one.items()): one for one in found}.values())
 
 

@@ -370,9 +370,8 @@ def _boxed(law: Text, known: Sequence[Choice], ranges: RangesAt, asked: _Asked) 
                 boxed = next(filter(holds, ({**boxed, section: {**boxed[section], **way}} for way in ways)), boxed)
         box, narrower = boxed["domain"], {x: own for x in values if (own := boxed["parameters"][x]) != law["parameters"][x]}
         fixed = {x: narrower.pop(x)["value"] for x in values if "value" in narrower.get(x, ())}
-        most = all(not between(box[x], boxes[0][x]) for x in law["forces"])
-        near = "these forces" if "viscous" in law else f"forces near {'K' if most else 'a part of K'}"
-        near = f"ask for {near} alone: {_entries(box)} in the section [domain]"
+        near = "a part of K" if any(between(box[x], boxes[0][x]) for x in law["forces"]) else "K"
+        near = f"ask for {'these forces' if 'viscous' in law else f'forces near {near}'} alone: {_entries(box)} in the section [domain]"
         own = " (or set values of your own: ranges are then sought for them)" if fixed else ""
         told = (near, f"{_entries(narrower)} in the section [parameters]" if narrower else "", settings(fixed) + own)
         wide = all(_WIDE * _length(box[x]) >= _length(boxes[0][x]) for x in law["forces"])
