@@ -253,7 +253,7 @@ SMALL = Domain.between("1/10", "3/5")
 def test_what_rises_outward_by_its_gradient(height, parameters):
     """Power is 0 at the force itself, F - s F' times a size, which a second way sees to be >= 0."""
     one = joint(height, **parameters)
-    assert verify(one, claims=["dissipation"])["dissipation"].trust is Trust.CHECKED
+    assert checked(one)
     assert powers(one).min() >= -1e-12
 
 
