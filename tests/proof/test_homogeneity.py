@@ -246,7 +246,6 @@ SMALL = Domain.between("1/10", "3/5")
         ("s*m*(1 + exp(-k*s))", {"m": POSITIVE, "k": POSITIVE}),  # not concave
         ("s*tan(m + d/(1 + s/k))", {"m": SMALL, "d": SMALL, "k": POSITIVE}),
         ("s*(m + d*tanh(k/(1 + s)))", {"m": SMALL, "d": SMALL, "k": POSITIVE}),
-        ("s*m + d*atan(k*s)", {"m": SMALL, "d": SMALL, "k": SMALL}),
         ("c + s*m*exp(-k*s)", {"c": POSITIVE, "m": SMALL, "k": POSITIVE}),
     ],
 )
