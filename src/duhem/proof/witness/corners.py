@@ -209,7 +209,7 @@ def sharp_point(subject: FormulaSubject, parameters: Values, place: Vector, asid
                 where = " between" if lean else ""
                 statement = (
                     "g > 0 on all of the ways from the corner to `outside` and to `opposite`, and on those beside them (each force by up "
-                    f"to {width * reach} at the end), and g < 0 on the way to `inside`{where}: no half-space is tangent to K at the corner"
+                    f"to {width * reach} at the end), and g < 0 on the way to `inside`{where}: K has no tangent plane at the corner"
                 )
                 shown = {role: subject.values_at(parameters, point) for role, point in points.items()}
                 return witness(subject, shown, {}, statement, {"beside": float(width * reach)})
