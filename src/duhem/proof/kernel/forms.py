@@ -207,8 +207,7 @@ def _of_one_word(term: Term, domain: StatedDomain) -> Sign:
 def _without_divisors(term: Term, domain: StatedDomain) -> Sign:
     """Of a sum times what it divides by and is > 0."""
     poly = domain.polynomial(term)
-    divides = any(x.op == "**" and not domain.constant(x) for m in poly for x, _ in m)
-    whole = domain.without_quotients(poly) if divides else poly
+    whole = domain.without_quotients(poly) if any(x.op == "**" and not domain.constant(x) for m in poly for x, _ in m) else poly
     return ANY if whole is poly else domain.facts(written(whole)).sign
 
 

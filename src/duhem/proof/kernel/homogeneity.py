@@ -32,7 +32,6 @@ numbers, with roots perhaps, so that what is asked on them is the sign of a numb
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Sequence
-from contextlib import suppress
 from fractions import Fraction
 from itertools import pairwise
 from typing import NamedTuple
@@ -68,23 +67,25 @@ def grows_along_rays(g: Term, domain: StatedDomain, steep: bool) -> bool:
     if (kink := choice(g, domain)) is not None and kink.op == "where" and kink.args[0].op in COMPARISONS:
         values = [g.put({kink: value}) for value in kink.args[1:]]
         return len(by_degree(gap(kink.args[0]), domain)) == 1 and all(grows_along_rays(value, domain, steep) for value in values)
-    for own in (_rates, _by_gradient):
-        with suppress(NotWritten, ValueError):
-            for x in sorted(own(g, domain)[1], key=Term.size):  # the plain ones first
-                sign = Reader(domain).sign(x) & domain.facts(written(domain.without_quotients(domain.polynomial(x)))).sign
-                if sign == POSITIVE or not (sign & NEGATIVE or (steep and not _is_steep(g, domain))):
-                    return True
+    try:
+        sums = _rates(g, domain)[1]
+    except (NotWritten, ValueError):  # a part has no degree
+        sums = _by_gradient(g, domain)
+    for x in sorted(sums, key=Term.size):  # the plain ones first
+        sign = Reader(domain).sign(x) & domain.facts(written(domain.without_quotients(domain.polynomial(x)))).sign
+        if sign == POSITIVE or not (sign & NEGATIVE or (steep and not _is_steep(g, domain))):
+            return True
     return False
 
 
-def _by_gradient(g: Term, domain: StatedDomain) -> tuple[dict[Term, Term], list[Term]]:
+def _by_gradient(g: Term, domain: StatedDomain) -> list[Term]:
     """S for m = 0 and 1, of a g that need not have degrees: sigma . grad g - m g, where grad g has a value, which is around every place."""
     slopes = gradient(g, domain.law.forces)
     if sum(d.size() for d in slopes) > _LONGEST or chooses(g, domain) or undecided_beside(slopes, tips(g, domain), domain) is not None:
         raise NotWritten("g may jump, or have no slope, or one that is too long")
     rate = sum_of(*(product_of(Term("name", name=x), d) for x, d in zip(domain.law.forces, slopes, strict=True)))
     sums = (sum_of(rate, minus(product_of(number(m), g))) for m in range(2))
-    return {}, [in_order(signs_as_sizes(x, domain), domain) for x in sums]
+    return [in_order(signs_as_sizes(x, domain), domain) for x in sums]
 
 
 def _rates(g: Term, domain: StatedDomain) -> tuple[dict[Term, Term], list[Term]]:

@@ -118,11 +118,12 @@ class _Form(NamedTuple):
             return term
         d = gap(condition)
         gained = self._poly(sum_of(one, minus(two)))
-        for k, whole in enumerate((d, product_of(d, d)), 1):
-            if (c := multiple(gained, self._poly(whole), self.domain)) is not None:
-                ramp = product_of(plainly(c), self._power(self._kink("pos", d), number(k)))
-                return self._collected(sum_of(two, ramp) if self._poly(two) else ramp)
+        if (c := multiple(gained, self._poly(d), self.domain)) is not None:
+            ramp = product_of(plainly(c), self._kink("pos", d))
+            return self._collected(sum_of(two, ramp) if self._poly(two) else ramp)
         gains, own = (self._by_powers(poly, self._poly(d)) for poly in (gained, self._poly(two)))
+        if not gains and (c := multiple(gained, self._poly(product_of(d, d)), self.domain)) is not None:
+            return self._collected(sum_of(two, product_of(plainly(c), self._power(self._kink("pos", d), number(2)))))
         if not gains or gains[0] or not all(self.domain.constant(x) for c in gains for m in c for x, _ in m):
             return term
         parts = [two]

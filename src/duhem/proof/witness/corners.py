@@ -191,8 +191,7 @@ def sharp_point(subject: FormulaSubject, parameters: Values, place: Vector, asid
     exact = subject.values_at(parameters, place)
     settled = {x: rational(value) for x, value in exact.items() if x not in subject.simple.forces}
     needed = [(o.expr.xreplace(settled), o.sense) for o in subject.doubtful]
-    at = {x: ball(value) for x, value in exact.items()}
-    if not all(_meets(sense, certain_sign(enclose(expr, at))) for expr, sense in needed):
+    if not all(_meets(sense, certain_sign(enclose(expr.xreplace(rationals(exact)), {}))) for expr, sense in needed):
         return None
     g = _without_root(subject.formula_at(parameters))
     away, opposite = ([lean * v + side * w for v, w in zip(into, aside, strict=True)] for side in (1, -1))
