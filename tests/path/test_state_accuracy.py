@@ -58,6 +58,7 @@ def test_armstrong_and_frederick_turned_between_knots(accuracy: float) -> None:
     assert f"at most {accuracy:g}" in found.why
 
 
+@pytest.mark.long
 @pytest.mark.slow(4)
 def test_creep_and_relaxation_to_an_accuracy() -> None:
     """Norton: u' constant, then held, where sigma' = -k A sigma^n has the closed form sigma^(1-n) = sigma_0^(1-n) + (n - 1) k A t."""

@@ -109,6 +109,7 @@ def test_ends_of_several_ranges_together_dissipate_less_than_0(one: Criterion, p
     assert possible(**{name: float(value) for name, value in refuted(one, "dissipation").items()})
 
 
+@pytest.mark.long
 def test_a_flow_that_leans_at_ends_of_ranges_alone_is_not_normal() -> None:
     ellipse = law("x**2/a**2 + y**2 - 1", flow=("x/a**2", "y*(1 + pos(a*m - 59/10))"), a=("1", "3"), m=("1", "2"))
     found = refuted(ellipse, "normality")

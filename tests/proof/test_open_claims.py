@@ -428,6 +428,7 @@ def test_what_is_suggested_is_true_when_it_is_followed(name: str) -> None:
     assert helped
 
 
+@pytest.mark.long
 def test_a_quadric_is_told_the_minors_of_its_matrix() -> None:
     found = {result.claim: result.unsettled for result in verify(FOLLOWED["a quadric"]) if result.unsettled is not None}
     assert [actions.split(" (")[0] for actions in found["smoothness"].actions] == ['add the constraint "F12**2 <= F11*F22"']

@@ -102,6 +102,7 @@ for name in ("von-mises", "gotoh", "hoffman", "lobes", "limacon"):
 """
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_two_processes_spend_the_same_and_find_the_same() -> None:
     done = [

@@ -139,6 +139,7 @@ def test_k_of_a_root_alone_is_known_to_stay_where_no_power_of_less_than_0_has_a_
     assert found is known
 
 
+@pytest.mark.long
 def test_a_form_of_which_other_claims_are_open_says_so() -> None:
     """Yu's CASM (1998): times p**n it is proved that zero force lies in K, and no longer that K is convex."""
     parameters = {"m": Domain.between("4/5", "3/2"), "n": Domain.between(1, 5), "r": Domain.between("3/2", 10), "c": POSITIVE}
@@ -235,6 +236,7 @@ def test_the_middle_of_a_range_is_tried_before_its_ends_and_what_is_proved_at_it
     assert {'min = "83/100"', 'max = "83/100"', 'min = "5/6"'} <= {*told}
 
 
+@pytest.mark.long
 def test_a_value_at_a_tip_with_which_a_claim_is_refuted_is_suggested() -> None:
     found = opened(in_principal("sqrt(J2(s))*(2 + cos3theta(s)) + c", c=POSITIVE), "origin")
     assert [*found.actions] == ["write where(J2(s) > 0, cos3theta(s), 0) for cos3theta(s), if you mean 0 there (then it is refuted)"]
@@ -263,6 +265,7 @@ def test_no_line_of_forces_far_from_k_is_added_to_it(forces: tuple[str, ...], pa
     assert keeps_k(subject, f"where({divisor} > 0, {part}/{divisor}, 0) + {size} - 1")
 
 
+@pytest.mark.long
 def test_of_several_parts_without_a_value_at_zero_force_each_is_given_one() -> None:
     steel = law(
         "q - k*(1 - c*(I1(s)/(3*q) - 1/3))*(1 - d*cos(lode(s)))".replace("q", "sqrt(3*J2(s))"),

@@ -306,6 +306,7 @@ def test_chords_between_rays_refute_where_the_lode_angle_enters(near: tuple[str,
             assert levels[0] <= 0 and levels[1] <= 0 < levels[2], beta
 
 
+@pytest.mark.long
 def test_beside_a_convex_end_no_chord_is_looked_for_that_would_leave_k_there_too() -> None:
     """K is still convex a little below beta = 0 (the curvature of 1/r shows it), so nothing refutes up to there; it is cheap to see."""
     least = 6 / mpmath.pi * (mpmath.acos(GAMMA) / 3 - mpmath.atan(mpmath.sqrt(1 - GAMMA**2) / (3 * GAMMA)))

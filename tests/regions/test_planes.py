@@ -424,6 +424,7 @@ def test_constraints_may_be_what_a_tree_is_not_divided_by(constraint: str) -> No
     assert "proved" in told
 
 
+@pytest.mark.long
 def test_parameters_may_be_left_out() -> None:
     assert duhem.region(PLANE).parameters == ("a", "b")
     assert duhem.region(LAWS["root"][0]).parameters == ("r", "q")  # neither the slope nor the strength decides

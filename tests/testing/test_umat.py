@@ -121,6 +121,7 @@ def test_an_end_of_the_analysis_is_an_increment_that_is_not_solved(source, end: 
     assert not report.failures and not report.ok and report.flagged
 
 
+@pytest.mark.long
 def test_a_tangent_that_is_not_set_is_told(source) -> None:  # type: ignore[no-untyped-def]
     report = judged(source("double none[36]; ddsdde = none;"))
     assert report.failed == {"slope"} and "the tangent is not set: it is zero" in report.failures[0].diagnosis
