@@ -106,6 +106,7 @@ def test_what_the_judge_does_not_take_is_a_step_of_the_search(fault, monkeypatch
     assert len(searched) >= 2 and np.abs(found.to_array() - right.to_array()).max() < 1e-13
 
 
+@pytest.mark.long
 @pytest.mark.slow
 @pytest.mark.parametrize("name", mostly_long(CASES, "von-mises"))
 def test_many_points_take_the_steps_of_the_search_too(name, monkeypatch):

@@ -314,6 +314,7 @@ def test_a_flat_dent_is_drawn_deeper_than_it_is() -> None:
     assert all(a < x < b and c < y < d for x, y in shown.points.values())
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_sections_beside_a_witness_are_at_its_numbers() -> None:
     law = duhem.Criterion(

@@ -106,6 +106,7 @@ def test_what_two_constraints_say_of_a_square(constraints: list[str], constant: 
     assert over(known).sign(parse(constant)) == sign
 
 
+@pytest.mark.long
 def test_signs_that_follow_of_two_constraints_hold_wherever_they_do() -> None:
     rng, seen, told = Random(5), 0, 0
     for _ in range(12):

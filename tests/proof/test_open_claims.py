@@ -328,6 +328,7 @@ def test_a_part_is_named_where_a_product_has_too_many_terms_and_the_whole_formul
     assert told is not None and told.part == TOLD[-1][0].written and "whole formula" in (told.why or "")
 
 
+@pytest.mark.long
 def test_text_and_sheet_say_what_is_open() -> None:
     found = verify(TOLD[-1][0], claims=["convexity"], effort="quick")
     told, page = " ".join(text(found).split()), str(sheet(found))

@@ -74,6 +74,7 @@ def test_a_right_umat_passes_with_its_energies(source) -> None:  # type: ignore[
     assert {"energy", "dissipation", "stored-energy"} <= {*left} and "none that is not 0" in left["energy"]
 
 
+@pytest.mark.long
 def test_a_dissipation_of_the_step_alone_is_told(source) -> None:  # type: ignore[no-untyped-def]
     report = judged(source("", CLIPPED.replace("*spd +=", "*spd =")))
     assert "does not add it to what it is given (SPD = SPD + ...)" in str(report.failure_of("dissipation")), str(report)
