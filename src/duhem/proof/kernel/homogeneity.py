@@ -79,7 +79,7 @@ def grows_along_rays(g: Term, domain: StatedDomain, steep: bool) -> bool:
 
 
 def _by_gradient(g: Term, domain: StatedDomain) -> list[Term]:
-    """S for m = 0 and 1, of a g that need not have degrees: sigma . grad g - m g, where grad g has a value, which is around every place."""
+    """S for m = 0 and 1, where a part of g has no degree: sigma . grad g - m g, by derivatives that have a value but at tips of g."""
     slopes = gradient(g, domain.law.forces)
     if sum(d.size() for d in slopes) > _LONGEST or chooses(g, domain) or undecided_beside(slopes, tips(g, domain), domain) is not None:
         raise NotWritten("g may jump, or have no slope, or one that is too long")

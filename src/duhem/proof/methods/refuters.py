@@ -266,7 +266,7 @@ def _at_extreme_exponents(subject: FormulaSubject) -> list[Values]:
 
 
 def _not_smooth(subject: FormulaSubject, found: Iterable[Witness | None], method: str, detail: str) -> Evidence | None:
-    """Refute by the first witness that lies well within the ranges of the law."""
+    """Refute by the first witness that lies in the ranges of the law, a corner with its sides and a sharp point with its ways."""
     within = (one for one in found if one is not None and subject.may_refute("smoothness", one.points))
     return Evidence.refuted_by(within, method, _of_k(subject, detail))
 
@@ -361,8 +361,9 @@ def _leaning(subject: FormulaSubject, scouts: Iterable[BoundaryScout], near: boo
         for exit, target in itertools.chain(scout.far_targets(), at_rest, _on_the_boundary(subject, scout) if near else ()):
             if (witness := _leans_towards(subject, exit, target)) and subject.may_refute("normality", witness.points):
                 taus = (tau for tau in rounded(target) if subject.admits(subject.values_at(exit.parameters, tau)))
-                short = (found for tau in taus if (found := _leans_towards(subject, exit, tau)))
-                return Evidence(Verdict.REFUTED, "witness-flow", "the flow leaves the normal cone of K", next(short, witness))
+                short = (_leans_towards(subject, exit, tau) for tau in taus)
+                fit = (one for one in short if one and subject.may_refute("normality", one.points))
+                return Evidence(Verdict.REFUTED, "witness-flow", "the flow leaves the normal cone of K", next(fit, witness))
     return None
 
 

@@ -48,8 +48,7 @@ _AROUND = Fraction(1, 10**4)  # of a place in floats, by its size: as far as pie
 _SHARP = 1e-5
 _MOST_WAYS, _SHOWN = 400, 6
 _PLACE = 20_000  # steps of one
-_LEANS = (Fraction(1), Fraction(4))  # how far two ways out of K lean towards that into it between them, where they are not opposite
-_LEAST = Fraction(1, 16)  # the same where opposite ways cannot be asked
+_LEANS = (Fraction(1, 16), Fraction(1), Fraction(4))  # how far two ways out of K lean towards that into it; the first at ends of ranges
 _SAME = 3.0  # how much more one may fall than the other on a tenth of the way
 _LARGEST = 10_000  # the denominator of a plain fraction
 _ALONG = 10.0 ** np.linspace(-5, 5, 61)
@@ -289,7 +288,10 @@ def _turns(subject: FormulaSubject, parameters: Values, section: PlaneSection) -
 
 
 def sharp_points(subject: FormulaSubject, parameters: Values) -> Iterator[SharpPoint]:
-    """Places with directions: g > 0 on two of them, as it seems, and g < 0 on one between these; while steps are left."""
+    """Places with directions: g > 0 on two of them, as it seems, and g < 0 on one between these; while steps are left.
+
+    All three lead into the ranges of the forces, so that the place may be at an end of one.
+    """
     forces = subject.simple.forces
     g = subject.formula_at(parameters)
     level, pointed = compiled(g, forces), edges(g, forces)
@@ -311,12 +313,12 @@ def sharp_points(subject: FormulaSubject, parameters: Values) -> Iterator[SharpP
         home = tuple(-c / max(map(abs, place)) for c in place) if any(place) else None
         back = [k for k, way in enumerate(ways) if way == home]  # on which floats may not see that a load is 0
         falls = [(k, nearer[k] / found[k]) for k in np.argsort(found) if -np.inf < found[k] < 0]
-        at_an_end = any(float(c) in (a, b) for c, a, b in zip(place, low, high, strict=True))  # opposite ways do not both lie in the range
-        leans = (_LEAST, *_LEANS) if at_an_end else _LEANS
+        at_an_end = any(float(c) in ends for c, *ends in zip(place, low, high, strict=True))  # opposite ways are not both in the range
+        leans = _LEANS[not at_an_end :]
         ends = [(k, fall, Fraction(0)) for k, fall in [*((k, 0.1) for k in back), *falls[:2]][:2]]
         for k, fall, lean in (*ends, *((k, fall, lean) for lean in leans for k, fall in falls)):
-            leaning = (values(place, r, float(lean) * steps[k]) for r in (size, size / 10))
-            both, both_nearer = (np.minimum(v, v[opposite]) for v in leaning)
+            between = float(lean) * steps[k]
+            both, both_nearer = (np.minimum(v, v[opposite]) for v in (values(place, r, between) for r in (size, size / 10)))
             # where g rises less steeply than it falls, K has a tangent
             steep = [i for i in np.argsort(-both) if both[i] > 0 and both_nearer[i] > both[i] * fall / _SAME]
             for i in steep[: 1 if lean else _SHOWN]:

@@ -219,7 +219,7 @@ def violation(
         return None
     wanted = -1 if target is None else 1
     others: dict[str, Values] = {} if target is None else {"tau": subject.values_at(parameters, target)}
-    if any(sign_at(subject.problem.stated, at)[0] not in (-1, 0) for at in others.values()) or not in_ranges(subject, target or start):
+    if any(sign_at(subject.problem.stated, at)[0] not in (-1, 0) for at in others.values()):
         return None
 
     def seen(point: EnclosedPoint) -> Any:
